@@ -1,0 +1,1 @@
+"""Programs that drive robots through Player's protocol, and what they share."""

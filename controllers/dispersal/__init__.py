@@ -1,0 +1,1 @@
+"""Uniform dispersal (FCDFS and others): the rules, the grid, and a program for a robot."""

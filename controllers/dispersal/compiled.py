@@ -1,0 +1,33 @@
+"""Compiled forms of the rules and the other pure functions, for the grid model."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numba
+
+from controllers.dispersal import chance
+
+_types: Any = numba.types
+RULE_SIGNATURE = _types.UniTuple(_types.int64, 2)(_types.int64, _types.int64)
+RULE_TYPE = _types.FunctionType(RULE_SIGNATURE)
+
+Rule = Callable[[int, int], tuple[int, int]]
+
+
+@cache
+def compile_rule(rule: Rule) -> Any:
+    """The machine code of a rule, as a C function that the compiled step calls.
+
+    Any function of `rules`' kind will do, one of a user's too. The step itself is compiled once
+    for all rules.
+    """
+    in_a_file = rule.__code__.co_filename[:1] != "<"  # numba keeps its cache beside the source
+    kept = in_a_file and rule.__closure__ is None
+    return numba.cfunc(RULE_SIGNATURE, cache=kept)(rule)
+
+
+draw: Any = numba.njit(numba.int64(numba.int64, numba.int64, numba.int64, numba.int64), cache=True)(
+    chance.draw
+)
+"""`chance.draw`, compiled."""

@@ -1,0 +1,161 @@
+"""What the robot does in each phase: search the walls, observe, go, check the strip, paint."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from . import going, look
+from .boustrophedon import lanes
+from .compute import strip_intruder
+from .memory import Phase
+from .move import drive, free_travel, looks_at, may_turn, turn
+from .observe import Scan
+from .speak import fail, say
+
+if TYPE_CHECKING:
+    from .brain import Brain, Command
+
+DOUBT = 10.0
+"""What is seen must contradict the number of robots for this long (s) before it is believed."""
+
+
+def search_walls(brain: Brain, scan: Scan, command: Command) -> None:
+    """Turn until enough of the walls has been seen to know where they are."""
+    say(brain, command, "looking for the walls")
+    memory = brain.memory
+    if brain.time > 60.0:
+        fail(brain, command, "the walls do not fit the arena's shape that I was told")
+        return
+    if brain.time > 0.5 and float(scan.ranges.min()) > 0.75:
+        memory.gaze += 0.0 if not looks_at(brain.pose, memory.gaze) else math.pi / 2
+        command.motion = turn(brain.pose, memory.gaze, brain.settings.limits)
+
+
+def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
+    """One reading's worth of whatever phase the robot is in."""
+    memory = brain.memory
+    if memory.phase in (Phase.OBSERVING, Phase.GOING, Phase.AT_GOAL):
+        if memory.doubt_since is not None and brain.time - memory.doubt_since > DOUBT:
+            fail(brain, command, memory.doubt)
+            return
+        rank_open = memory.phase is Phase.OBSERVING
+        if brain.time > brain.settings.patience and rank_open:
+            fail(brain, command, f"my rank among {brain.settings.robots} robots is still open")
+            return
+    new_cycle = brain.time >= memory.next_cycle
+    if new_cycle:
+        memory.next_cycle = brain.time + brain.draw() * brain.settings.jitter
+    if memory.phase is Phase.OBSERVING:
+        if new_cycle and memory.bounds.rank is not None and memory.step_to is None:
+            going.set_out(brain, command)
+        else:
+            observe(brain, scan, command, new_cycle)
+    elif memory.phase is Phase.GOING:
+        going.go(brain, scan, command, new_cycle)
+    elif memory.phase is Phase.AT_GOAL:
+        check_strip(brain, command, new_cycle)
+    elif memory.phase is Phase.PAINTING:
+        paint(brain, command)
+
+
+def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None:
+    """Look around, and step aside where looking alone does not tell the rank."""
+    memory, pose, limits = brain.memory, brain.pose, brain.settings.limits
+    region = brain.region
+    tracks = memory.tracks.all
+    low, high = memory.bounds.below
+    say(brain, command, f"observing: {low} to {high} robots are below me")
+    if memory.step_to is not None:
+        target = (memory.step_to, pose.y)
+        direction = look.RIGHT if target[0] > pose.x else look.LEFT
+        if not looks_at(pose, direction) and abs(target[0] - pose.x) > 0.3:
+            if may_turn(region, pose, tracks, brain.time):
+                command.motion = turn(pose, direction, limits)
+                return
+            memory.step_to = None
+            return
+        travel = free_travel(region, pose[:2], target, tracks, brain.time)
+        if travel < 0.05 or row_hidden(brain, direction):
+            memory.step_to = None
+            return
+        command.motion = drive(pose, target, travel, limits, 0.4)
+        return
+    if not looks_at(pose, memory.gaze):
+        if may_turn(region, pose, tracks, brain.time):
+            command.motion = turn(pose, memory.gaze, limits)
+            memory.gaze_until = brain.time + look.DWELL
+        elif new_cycle:
+            memory.gaze = pose.yaw
+        return
+    if brain.time < memory.gaze_until or not new_cycle:
+        return
+    level = look.nearly_level(tracks, brain.time)
+    if level is not None and memory.looks % 12 < 10:
+        spacing = float(scan.bearings[1] - scan.bearings[0])
+        gaze = look.fine_gaze(pose, level, spacing, memory.looks % 2 == 1)
+        if gaze is not None:
+            memory.looks += 1
+            error = gaze - pose.yaw
+            command.motion = turn(pose, pose.yaw + 2.0 * error, limits)
+            memory.gaze = gaze if abs(error) > 0.005 else pose.yaw
+            return
+    memory.looks += 1
+    if memory.looks % 4 == 0:
+        undecided = memory.bounds.above[0] < memory.bounds.above[1]
+        memory.step_to = look.step_for_view(
+            region, pose, tracks, brain.shadows, brain.time, (undecided, undecided), brain.draw()
+        )
+        if memory.step_to is not None:
+            return
+    next_gaze = look.LEFT if math.cos(memory.gaze) > 0.0 else look.RIGHT
+    memory.gaze = next_gaze
+
+
+def row_hidden(brain: Brain, direction: float) -> bool:
+    """Whether an unseen robot could be on the row just ahead, left or right."""
+    x, y = brain.pose.x, brain.pose.y
+    ahead = (x, x + 1.6) if direction == look.RIGHT else (x - 1.6, x)
+    return brain.shadows.any_in(*ahead, y - 1.0, y + 1.0)
+
+
+def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
+    """At the goal: paint once no other robot is in the own strip [3.1 Move (ii)]."""
+    memory = brain.memory
+    if not brain.settings.paint:
+        memory.phase = Phase.DONE
+        command.finished = True
+        return
+    if not new_cycle:
+        return
+    task = brain.task
+    intruder = strip_intruder(task.strip, going.others(brain), task.margin)
+    if intruder is not None:
+        say(brain, command, f"waiting: a robot is in my strip at height {intruder.y:.1f}")
+        return
+    low, high = task.strip[0] - task.margin, task.strip[1] + task.margin
+    if brain.shadows.any_in(brain.region.left, brain.region.right, low, high):
+        say(brain, command, "waiting: I cannot see all of my strip")
+        return
+    memory.way = lanes(brain.region, task.strip, brain.settings.sprayer)
+    memory.phase = Phase.PAINTING
+    command.report["paint_time"] = round(brain.time, 3)
+    say(brain, command, "painting")
+
+
+def paint(brain: Brain, command: Command) -> None:
+    """Follow the lanes; the sprayer is on from the first lane's beginning to the last one's end."""
+    memory, pose, limits = brain.memory, brain.pose, brain.settings.limits
+    way = memory.way
+    while way and math.dist(pose[:2], way[0]) < 0.02:
+        way.pop(0)
+        memory.spraying = True
+    if not way:
+        memory.phase = Phase.DONE
+        command.report["done_time"] = round(brain.time, 3)
+        say(brain, command, "done")
+        command.finished = True
+        return
+    travel = free_travel(brain.region, pose[:2], way[0], memory.tracks.all, brain.time, narrow=True)
+    command.spray = memory.spraying
+    command.motion = drive(pose, way[0], travel, limits, 0.2)

@@ -1,0 +1,212 @@
+"""A painting robot's mind: from reading to command, without sockets or clocks of its own.
+
+Each reading is perceived (observe); at the beginning of each cycle it is decided what to do
+(compute); between cycles that is carried out, and held up where somebody comes too near (move).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import act
+from .compute import Side, Task
+from .constants import ARENA, SPRAYER
+from .geometry import Floats, Pose, Region, rectangle
+from .hidden import Shadows, is_refuted
+from .localize import drift, locate
+from .memory import Memory, Phase
+from .move import LIMITS, REST, Limits, Motion
+from .observe import Patch, Scan, red_points, see_robots, take_scan, wall_points
+from .ranking import RankBounds
+from .squares import Square
+from .tracks import Tracks
+
+CORRECTION = 0.5
+"""Odometry is compared with the walls this often (s)."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a robot is told: how many there are, the region's shape, and its own limits."""
+
+    robots: int
+    paint: bool = True
+    shape: Region = field(default_factory=lambda: rectangle(*ARENA))
+    jitter: float = 0.0  # s: the longest cycle; 0: every reading begins one
+    limits: Limits = LIMITS
+    sprayer: tuple[float, float] = SPRAYER
+    patience: float = 1700.0  # s until it gives up if its rank is still open
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the devices say: odometry, the laser's ranges and bearings (n,), and blobs."""
+
+    time: float
+    pose: Pose
+    ranges: Floats
+    bearings: Floats
+    max_range: float
+    blobs: Iterable[Patch]
+    image_width: int
+
+
+@dataclass
+class Command:
+    """What to do until the next reading, and what to tell."""
+
+    motion: Motion = REST
+    spray: bool = False
+    say: str | None = None
+    report: dict[str, Any] = field(default_factory=dict)
+    finished: bool = False
+    failure: str | None = None
+
+
+class Brain:
+    """One robot's mind. `draw` gives random numbers in [0, 1) for the cycles' lengths."""
+
+    def __init__(self, settings: Settings, draw: Any) -> None:
+        self.settings = settings
+        self.draw = draw
+        self.memory = Memory(Tracks(settings.limits.speed), RankBounds.unknown(settings.robots))
+        self.pose = Pose(0.0, 0.0, 0.0)
+        self.time = 0.0
+
+    @property
+    def region(self) -> Region:
+        """The region in the own frame, once it is found."""
+        assert self.memory.region is not None
+        return self.memory.region
+
+    @property
+    def shadows(self) -> Shadows:
+        """Where unseen robots could be, once the region is found."""
+        assert self.memory.shadows is not None
+        return self.memory.shadows
+
+    @property
+    def task(self) -> Task:
+        """Strip and goal, once the rank is known."""
+        assert self.memory.task is not None
+        return self.memory.task
+
+    def step(self, reading: Reading) -> Command:
+        """Take in one reading and say what to do."""
+        command = Command()
+        memory = self.memory
+        self.time = reading.time
+        scan = self._perceive(reading)
+        if memory.region is None:
+            act.search_walls(self, scan, command)
+            return command
+        if memory.phase is not Phase.DONE:
+            act.carry_on(self, scan, command)
+        return command
+
+    def _perceive(self, reading: Reading) -> Scan:
+        """The observe step: correct odometry, follow robots, clear shadows, narrow the rank."""
+        memory = self.memory
+        cos, sin = math.cos(memory.turn), math.sin(memory.turn)
+        x, y, yaw = reading.pose
+        self.pose = Pose(
+            cos * x - sin * y + float(memory.shift[0]),
+            sin * x + cos * y + float(memory.shift[1]),
+            yaw + memory.turn,
+        )
+        scan = take_scan(
+            self.pose,
+            reading.ranges,
+            reading.bearings,
+            reading.max_range,
+            reading.blobs,
+            reading.image_width,
+        )
+        if memory.region is None:
+            self._find_region(scan)
+            if memory.region is None:
+                return scan
+        depth = self.region.depth(scan.points)
+        self._correct(wall_points(scan, depth))
+        self._follow(scan, see_robots(scan, depth))
+        return scan
+
+    def _find_region(self, scan: Scan) -> None:
+        memory = self.memory
+        memory.wall_points.append(red_points(scan))
+        points = np.concatenate(memory.wall_points[-40:])
+        fit = locate(points[:: max(1, len(points) // 400)], self.settings.shape)
+        if fit is not None:
+            memory.region = fit.region
+            memory.wall_points = []
+            memory.shadows = Shadows(fit.region, self.settings.limits.speed)
+            memory.shadows.spread(self.time)
+            memory.phase = Phase.OBSERVING
+
+    def _correct(self, points: Floats) -> None:
+        """Pull odometry towards the walls by a fifth of what it is off; exact odometry is not."""
+        memory = self.memory
+        if self.time < memory.next_correction:
+            return
+        memory.next_correction = self.time + CORRECTION
+        shift, turn = drift(points, self.region, (self.pose.x, self.pose.y))
+        if max(abs(float(shift[0])), abs(float(shift[1])), abs(turn)) < 1e-6:
+            return
+        turn *= 0.2
+        cos, sin = math.cos(turn), math.sin(turn)
+        # The correction turns about the robot, so its place in the own frame stays but for shift.
+        back = np.array([self.pose.x, self.pose.y]) - memory.shift
+        turned = np.array([cos * back[0] - sin * back[1], sin * back[0] + cos * back[1]])
+        memory.shift = memory.shift + 0.2 * shift + back - turned
+        memory.turn += turn
+
+    def _follow(self, scan: Scan, seen: list[Square]) -> None:
+        memory = self.memory
+        tracks, shadows = memory.tracks, self.shadows
+        lost = tracks.update(seen, self.time, self.pose.x, self.pose.y)
+        for track in lost:
+            shadows.admit(*track.centre, track.slack)
+        for track in list(tracks.all):
+            if track.seen < self.time and is_refuted(scan, self.region, *track.centre, track.slack):
+                tracks.drop(track)
+                shadows.admit(*track.centre, track.slack)
+        followed = tracks.confirmed()
+        unseen = self.settings.robots - 1 - len(followed)
+        if unseen <= 0:
+            shadows.clear()
+            shadows.spread(self.time)
+        else:
+            shadows.spread(self.time)
+            shadows.look(scan)
+            for track in followed:
+                if track.seen == self.time:
+                    shadows.exclude(*track.centre, 1.0 - track.slack)
+        self._narrow(unseen)
+
+    def _narrow(self, unseen: int) -> None:
+        """Narrow the bounds on the rank by what is followed and what is in shadow."""
+        memory = self.memory
+        above = below = unsure = 0
+        for track in memory.tracks.confirmed():
+            if track.side is Side.UNSURE:
+                unsure += 1
+            elif track.side is Side.LEVEL:
+                above += track.centre[0] > self.pose.x
+                below += track.centre[0] < self.pose.x
+            else:
+                above += track.side is Side.ABOVE
+                below += track.side is Side.BELOW
+        y = self.pose.y
+        room_above = self.shadows.room_above(y) if unseen > 0 else 0
+        room_below = self.shadows.room_below(y) if unseen > 0 else 0
+        doubt = memory.bounds.narrow(above, below, unsure, room_above, room_below)
+        if doubt is None:
+            memory.doubt_since = None
+        elif memory.doubt_since is None:
+            memory.doubt_since = self.time
+        memory.doubt = doubt or memory.doubt

@@ -1,0 +1,185 @@
+"""Where robots that are not followed could be: the shadows of what was seen so far.
+
+A grid over the region marks every place at which the centre of an unseen robot may be. A look
+clears what it shows to be free, time lets the rest spread at the speed of a robot, and nothing is
+ever assumed: a place is cleared only if a body there would have been hit by a ray.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .constants import BODY, HALF
+from .geometry import Floats, Region
+from .observe import Scan
+
+CELL = 0.25
+_HALF_DIAGONAL = CELL / math.sqrt(2.0)
+
+Mask = NDArray[np.bool_]
+
+
+class Shadows:
+    """The places where an unseen robot's centre may be, on a grid in the own frame.
+
+    `possible` (rows, columns): row 0 is the lowest. `speed` is the most that a robot drives, m/s.
+    """
+
+    def __init__(self, region: Region, speed: float) -> None:
+        low, high = (region.left, region.bottom), (region.right, region.top)
+        columns, rows = (int(n) for n in np.ceil(np.subtract(high, low) / CELL))
+        self.x: Floats = low[0] + CELL * (np.arange(columns) + 0.5)
+        self.y: Floats = low[1] + CELL * (np.arange(rows) + 0.5)
+        grid_x, grid_y = np.meshgrid(self.x, self.y)
+        centres = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
+        depth = region.depth(centres).reshape(rows, columns)
+        self.standable: Mask = depth + _HALF_DIAGONAL >= HALF
+        self.possible: Mask = self.standable.copy()
+        self._spread_for = CELL / speed  # s in which a robot drives through a cell
+        self._spread_at = 0.0
+        self._diagonal = False
+
+    def clear(self) -> None:
+        """Nobody is unseen."""
+        self.possible[:] = False
+
+    def spread(self, time: float) -> None:
+        """Let who may be there drive on, until `time`; ahead of time by up to one cell."""
+        while self._spread_at <= time:
+            self._spread_at += self._spread_for
+            self._diagonal = not self._diagonal
+            p = self.possible
+            grown = p.copy()
+            grown[1:] |= p[:-1]
+            grown[:-1] |= p[1:]
+            wide = grown if self._diagonal else p
+            sides = grown.copy()
+            sides[:, 1:] |= wide[:, :-1]
+            sides[:, :-1] |= wide[:, 1:]
+            self.possible = sides & self.standable
+
+    def look(self, scan: Scan) -> None:
+        """Clear all places where a body would have been hit by a ray of the scan."""
+        rows, columns = np.nonzero(self.possible)
+        if rows.size == 0:
+            return
+        gone = seen_free(scan, self.x[columns], self.y[rows], _HALF_DIAGONAL)
+        self.possible[rows[gone], columns[gone]] = False
+
+    def exclude(self, x: float, y: float, radius: float) -> None:
+        """No unseen robot's centre is within `radius` of a point (a body is known to be there)."""
+        self._near(x, y, radius - _HALF_DIAGONAL, False)
+
+    def admit(self, x: float, y: float, radius: float) -> None:
+        """An unseen robot's centre may be anywhere within `radius` of a point."""
+        self._near(x, y, radius + _HALF_DIAGONAL, True)
+
+    def _near(self, x: float, y: float, radius: float, value: bool) -> None:
+        if radius <= 0.0:
+            return
+        j0, j1 = np.searchsorted(self.x, (x - radius, x + radius))
+        i0, i1 = np.searchsorted(self.y, (y - radius, y + radius))
+        dx, dy = self.x[j0:j1] - x, self.y[i0:i1] - y
+        near = dx[None, :] ** 2 + dy[:, None] ** 2 < radius * radius
+        part = self.possible[i0:i1, j0:j1]
+        part[near] = value
+        if value:
+            part &= self.standable[i0:i1, j0:j1]
+
+    def room_above(self, y: float) -> int:
+        """At most how many unseen robots can have their centres above (or at) a height."""
+        return self._room(int(np.searchsorted(self.y + CELL / 2, y)), len(self.y))
+
+    def room_below(self, y: float) -> int:
+        """At most how many unseen robots can have their centres below (or at) a height."""
+        return self._room(0, int(np.searchsorted(self.y - CELL / 2, y, side="right")))
+
+    def _room(self, first: int, last: int) -> int:
+        # Two centres are at least a body apart, and no tile of 2 x 2 cells holds two such points.
+        rows, columns = np.nonzero(self.possible[first:last])
+        return len(np.unique((rows + first) // 2 * 4096 + columns // 2))
+
+    def nearest_height(self, y: float, upwards: bool) -> float:
+        """The nearest height above (below) y at which an unseen robot may be; infinite if none."""
+        rows = np.flatnonzero(self.possible.any(axis=1))
+        if upwards:
+            rows = rows[self.y[rows] + CELL / 2 > y]
+            return max(y, float(self.y[rows[0]] - CELL / 2)) if rows.size else math.inf
+        rows = rows[self.y[rows] - CELL / 2 < y]
+        return min(y, float(self.y[rows[-1]] + CELL / 2)) if rows.size else -math.inf
+
+    def any_in(self, left: float, right: float, bottom: float, top: float) -> bool:
+        """Whether an unseen robot's centre may lie in a rectangle."""
+        j0 = int(np.searchsorted(self.x + CELL / 2, left, side="right"))
+        j1 = int(np.searchsorted(self.x - CELL / 2, right))
+        i0 = int(np.searchsorted(self.y + CELL / 2, bottom, side="right"))
+        i1 = int(np.searchsorted(self.y - CELL / 2, top))
+        return bool(self.possible[i0:i1, j0:j1].any())
+
+    def places(self) -> Floats:
+        """The centres (n, 2) of the cells where an unseen robot may be."""
+        rows, columns = np.nonzero(self.possible)
+        return np.stack([self.x[columns], self.y[rows]], axis=1)
+
+
+def seen_free(scan: Scan, x: Floats, y: Floats, around: float) -> Mask:
+    """Whether no robot's centre can be within `around` (m) of places (n,), by one scan.
+
+    A ray that passes the place nearer than half a body, less `around`, and goes on beyond it, would
+    have hit a body whose centre was there.
+    """
+    dx, dy = x - scan.pose.x, y - scan.pose.y
+    distance = np.hypot(dx, dy)
+    bearing = np.arctan2(dy, dx) - scan.pose.yaw
+    bearing = np.remainder(bearing + math.pi, math.tau) - math.pi
+    reach = np.arcsin(np.minimum((HALF - around) / np.maximum(distance, HALF), 1.0))
+    first_bearing, count = float(scan.bearings[0]), len(scan.ranges)
+    step = (float(scan.bearings[-1]) - first_bearing) / (count - 1)
+    first = np.ceil((bearing - reach - first_bearing) / step).astype(int)
+    last = np.floor((bearing + reach - first_bearing) / step).astype(int)
+    first, last = np.maximum(first, 0), np.minimum(last, count - 1)
+    covered = first <= last
+    farthest = _range_maximum(scan.ranges, first[covered], last[covered])
+    free: Mask = distance < BODY - around  # the own body is there
+    free[covered] |= farthest > distance[covered] + around + 0.02
+    return free
+
+
+_DISC = np.concatenate(
+    [
+        [[0.0, 0.0]],
+        *(
+            r * np.stack([np.cos(a), np.sin(a)], axis=1)
+            for r, n in ((0.35, 6), (0.7, 12), (1.0, 18))
+            for a in [np.arange(n) * math.tau / n]
+        ),
+    ]
+)
+
+
+def is_refuted(scan: Scan, region: Region, x: float, y: float, radius: float) -> bool:
+    """Whether a scan shows that no robot is within `radius` of a point (37 points of it)."""
+    places = _DISC * radius + (x, y)
+    places = places[region.depth(places) >= HALF]
+    if len(places) == 0:
+        return True
+    return bool(seen_free(scan, places[:, 0], places[:, 1], 0.1).all())
+
+
+def _range_maximum(ranges: Floats, first: NDArray[np.intp], last: NDArray[np.intp]) -> Floats:
+    """The largest range within each run of rays first..last (inclusive): a sparse table."""
+    tables = [ranges]
+    width = 1
+    while 2 * width <= len(ranges):
+        previous = tables[-1]
+        tables.append(np.maximum(previous[:-width], previous[width:]))
+        width *= 2
+    padded = np.zeros((len(tables), len(ranges)))
+    for level, table in enumerate(tables):
+        padded[level, : len(table)] = table
+    level = np.frexp((last - first + 1).astype(float))[1] - 1
+    maxima: Floats = np.maximum(padded[level, first], padded[level, last - (1 << level) + 1])
+    return maxima

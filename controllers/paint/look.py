@@ -1,0 +1,114 @@
+"""Looking: which way to turn the field of view of 180 degrees, and when to step aside to see."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from controllers.motion import wrap
+
+from .compute import Side
+from .constants import APART, HALF, LEVEL, WALL_ROOM
+from .geometry import Pose, Region
+from .hidden import Shadows
+from .tracks import Track
+from .view import best_step
+
+DWELL = 0.4
+"""A look in one direction lasts this long (s): CONFIRMED scans and one more."""
+
+LEFT, RIGHT, UP, DOWN = math.pi, 0.0, math.pi / 2, -math.pi / 2
+
+BY_WALL = 0.95
+"""A robot this near to a side wall looks away from it and sees all: no body fits behind (m)."""
+
+_STRIDE = 0.5  # m between places to step to
+_ROW = 1.05  # m: who is less than this off the row is in the way of a side-step
+
+
+def fine_gaze(pose: Pose, track: Track, spacing: float, odd: bool) -> float | None:
+    """A heading at which a ray parts what is open about a nearly level robot's height.
+
+    Its upright face is seen; a ray through the middle of where its upper (or, at odd looks,
+    lower) corner may be tells on which side of it the corner is. None if there is no such face.
+    """
+    if track.x[1] - track.x[0] > LEVEL:
+        return None
+    x, y = track.centre
+    face = x - math.copysign(HALF, x - pose.x)
+    corner = y - HALF if odd else y + HALF
+    bearing = wrap(math.atan2(corner - pose.y, face - pose.x) - pose.yaw)
+    ray = (bearing + math.pi / 2) / spacing
+    return pose.yaw + (ray - round(ray)) * spacing
+
+
+def row_places(
+    region: Region, pose: Pose, tracks: list[Track], shadows: Shadows, time: float
+) -> list[float]:
+    """The places (x) on the own row that can be stepped to without passing or nearing anybody."""
+    room = region.standing_room(pose.y, WALL_ROOM)
+    if room is None:
+        room = region.standing_room(pose.y, HALF + 0.1)
+    if room is None:
+        return [pose.x]
+    places = [pose.x]
+    for direction in (-1.0, 1.0):
+        x = pose.x
+        while True:
+            x += direction * _STRIDE
+            if not room[0] <= x <= room[1]:
+                break
+            if shadows.any_in(x - 1.0, x + 1.0, pose.y - _ROW, pose.y + _ROW):
+                break
+            if any(_in_way(track, x, pose.y, time) for track in tracks):
+                break
+            places.append(x)
+    return places
+
+
+def _in_way(track: Track, x: float, y: float, time: float) -> bool:
+    ox, oy = track.centre
+    reach = track.reach if time > track.seen else 0.0
+    return max(abs(ox - x), abs(oy - y)) - reach < APART + 0.05
+
+
+def step_for_view(
+    region: Region,
+    pose: Pose,
+    tracks: list[Track],
+    shadows: Shadows,
+    time: float,
+    undecided: tuple[bool, bool],
+    chance: float,
+) -> float | None:
+    """Where on the row to step to, to see more; None to stay.
+
+    `undecided` says whether the places above, and those below, have to be seen into: those are
+    judged of which fewer are left, because either number of robots gives the rank. `chance`, a
+    number in [0, 1), picks a place where no view is clearly better, so that robots that hide each
+    other do not for ever.
+    """
+    xs = row_places(region, pose, tracks, shadows, time)
+    if len(xs) == 1:
+        return None
+    places = shadows.places()
+    parts = [places[places[:, 1] > pose.y], places[places[:, 1] < pose.y]]
+    sides = [part for part, open_ in zip(parts, undecided, strict=True) if open_ and len(part)]
+    robots = np.array([track.centre for track in tracks]).reshape(-1, 2)
+    here_best = (-1.0, pose.x)
+    for part in sides:
+        x, share = best_step(xs, pose.y, pose.x, part, robots)
+        here_best = max(here_best, (share / (1 + 0.02 * len(part)), x))
+    if abs(here_best[1] - pose.x) > _STRIDE:
+        return here_best[1]
+    x = sorted(xs)[int(chance * len(xs))]
+    return x if abs(x - pose.x) > _STRIDE else None
+
+
+def nearly_level(tracks: list[Track], time: float) -> Track | None:
+    """A robot in view of which it is open whether it is higher or lower."""
+    for track in tracks:
+        if track.side is Side.UNSURE and track.confirmed and track.seen == time:
+            return track
+    return None

@@ -1,0 +1,108 @@
+"""Everything that a painting robot keeps from one cycle to the next, in one place, and why.
+
+The paper's robots keep nothing [2, Oblivious]: they are points that see everything at once. These
+have bodies that hide each other and look one way at a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from .compute import Act, Decision, Task
+from .geometry import Floats, Region
+from .hidden import Shadows
+from .ranking import RankBounds
+from .tracks import Tracks
+
+
+class Phase(Enum):
+    """What the robot is about. It only ever goes forward."""
+
+    LOCATING = "locating"
+    OBSERVING = "observing"
+    GOING = "going"
+    AT_GOAL = "at goal"
+    PAINTING = "painting"
+    DONE = "done"
+    FAILED = "failed"
+
+
+@dataclass
+class Memory:
+    """What is kept, and why."""
+
+    tracks: Tracks
+    """Who was seen where: while the robot looks one way it cannot see the other."""
+
+    bounds: RankBounds
+    """Bounds on the own rank: looks add up, and with all keeping order no bound expires."""
+
+    phase: Phase = Phase.LOCATING
+    """Painting is uninterruptible [2], and what was done need not be done again."""
+
+    region: Region | None = None
+    """Where the walls are in the own frame: a priori knowledge, found once."""
+
+    wall_points: list[Floats] = field(default_factory=list)
+    """The points on walls until the region is found: one look may show too little of it."""
+
+    shift: Floats = field(default_factory=lambda: np.zeros(2))
+    turn: float = 0.0
+    """By how much odometry was found to be off: its drift is not seen in one reading."""
+
+    next_correction: float = 0.0
+    """When odometry is compared with the walls next."""
+
+    shadows: Shadows | None = None
+    """Where unseen robots could be: knowing that somebody is nowhere takes more than one look."""
+
+    task: Task | None = None
+    """Strip and goal: the rank never changes, so neither do they."""
+
+    decision: Decision | None = None
+    """The last cycle's decision: it is carried out until the next cycle, however far off."""
+
+    next_cycle: float = 0.0
+    """When the next cycle begins: clocks of their own."""
+
+    gaze: float = 0.0
+    """The heading to look at, in the own frame: a turn takes many readings."""
+
+    gaze_until: float = 0.0
+    """When a look in that direction has lasted long enough."""
+
+    looks: int = 0
+    """Looks taken (half turns), to know when looking from here has shown all it can."""
+
+    step_to: float | None = None
+    """Where a side-step goes to (x), until it is made."""
+
+    waiting_since: float | None = None
+    """Since when it has waited: after a while it steps out of the others' view."""
+
+    waits: int = 0
+    """How often it had to wait, for the report."""
+
+    row_clear: bool = False
+    """The way to the goal on its row was seen free: nobody may come within epsilon of it since."""
+
+    way: list[tuple[float, float]] = field(default_factory=list)
+    """What is left of the way over the strip."""
+
+    spraying: bool = False
+    """Whether the way over the strip has been begun: from there on the sprayer is on."""
+
+    doubt_since: float | None = None
+    """Since when what is seen has contradicted the number of robots: a glitch is no proof."""
+
+    doubt: str = ""
+    """What the contradiction is."""
+
+    said: str = ""
+    """What it said last, so as to speak only when something changes."""
+
+    last_act: Act | None = None
+    """The act of the last decision, to count waits."""

@@ -1,0 +1,171 @@
+"""The move step: from a decision to a twist, without coming too near to anybody.
+
+Bodies here may turn on the spot where they stand, so a robot that moves keeps far enough from
+whoever has room to turn (HALT beside, in both axes); from one that stands by a wall it may pass
+at EPSILON. Who turns can then do so wherever it stands, as long as nobody in view is near.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from controllers.motion import turn_to, wrap
+
+from .constants import EPSILON, HALF, TURNING, WALL_ROOM
+from .geometry import Pose, Region
+from .tracks import Track
+
+TURN_KEEP = 1.25
+"""Half the width of the square around a body with room to turn that others stay out of (m)."""
+
+STAND_KEEP = 1.07
+"""The same for a body that cannot turn, between walls or painting."""
+
+TURN_RADIUS = TURNING + HALF + 0.03
+"""Nobody in view is nearer than this when a robot turns (m)."""
+
+BOTH_TURN_RADIUS = 2.0 * TURNING + 0.03
+"""... or than this, if the other has room to turn as well."""
+
+AIMED = math.radians(0.06)
+"""A gaze is taken when it is off by less."""
+
+
+class Limits(NamedTuple):
+    """The drive's limits: m/s, rad/s, and the time from reading to reading, s."""
+
+    speed: float
+    turn_rate: float
+    interval: float
+
+
+class Motion(NamedTuple):
+    """A twist in the robot's frame: m/s ahead, m/s to the left, rad/s."""
+
+    ahead: float
+    left: float
+    turn: float
+
+
+REST = Motion(0.0, 0.0, 0.0)
+
+LIMITS = Limits(0.5, math.radians(90.0), 0.1)
+"""The limits of the robots in the worlds that come with Troupe."""
+
+
+def can_turn(region: Region, x: float, y: float) -> bool:
+    """Whether a body at (x, y) has room to turn between the walls."""
+    return region.depth_at(x, y) > TURNING + 0.005
+
+
+def may_turn(region: Region, pose: Pose, tracks: Iterable[Track], time: float) -> bool:
+    """Whether this robot may turn here and now: walls and the robots in view are far enough."""
+    if region.depth_at(pose.x, pose.y) < WALL_ROOM - 0.005:
+        return False
+    for track in tracks:
+        if time - track.seen > 2.0:
+            continue
+        x, y = track.centre
+        radius = BOTH_TURN_RADIUS if can_turn(region, x, y) else TURN_RADIUS
+        if math.hypot(x - pose.x, y - pose.y) < radius:
+            return False
+    return True
+
+
+def keep_of(region: Region, track: Track, narrow: bool) -> float:
+    """Half the width of the square around a robot that this one stays out of."""
+    if narrow or not can_turn(region, *track.centre):
+        return STAND_KEEP
+    return TURN_KEEP
+
+
+def free_travel(
+    region: Region,
+    start: tuple[float, float],
+    target: tuple[float, float],
+    tracks: Iterable[Track],
+    time: float,
+    narrow: bool = False,
+) -> float:
+    """How far one may go on the straight way from start to target before coming too near (m).
+
+    `narrow` is for painting, where everybody near is in a strip of its own: rows are passed at
+    STAND_KEEP. A robot that is too near already does not hold up who moves away from it.
+    """
+    dx, dy = target[0] - start[0], target[1] - start[1]
+    length = math.hypot(dx, dy)
+    if length == 0.0:
+        return 0.0
+    ux, uy = dx / length, dy / length
+    travel = length
+    for track in tracks:
+        if time - track.seen > 3.0:
+            continue
+        x, y = track.centre[0] - start[0], track.centre[1] - start[1]
+        keep = keep_of(region, track, narrow)
+        if abs(x) < keep and abs(y) < keep:
+            along = ux * x if abs(x) > abs(y) else uy * y
+            if along > 1e-9:
+                travel = 0.0
+            continue
+        enter, leave = 0.0, length
+        for offset, direction in ((x, ux), (y, uy)):
+            if abs(direction) < 1e-12:
+                if abs(offset) >= keep:
+                    enter = math.inf
+                continue
+            a, b = (offset - keep) / direction, (offset + keep) / direction
+            enter, leave = max(enter, min(a, b)), min(leave, max(a, b))
+        if enter <= leave:
+            travel = min(travel, enter)
+    return travel
+
+
+def drive(
+    pose: Pose, target: tuple[float, float], travel: float, limits: Limits, settle: float
+) -> Motion:
+    """The twist towards a target, at most `travel` metres on; slower over `settle` seconds."""
+    dx, dy = target[0] - pose.x, target[1] - pose.y
+    length = math.hypot(dx, dy)
+    if length < 1e-6 or travel <= 0.0:
+        return REST
+    speed = min(limits.speed, travel / settle)
+    vx, vy = dx / length * speed, dy / length * speed
+    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+    return Motion(cos * vx + sin * vy, cos * vy - sin * vx, 0.0)
+
+
+def turn(pose: Pose, gaze: float, limits: Limits) -> Motion:
+    """The twist that turns on the spot towards a heading."""
+    return Motion(0.0, 0.0, turn_to(pose.yaw, gaze, limits.turn_rate, limits.interval))
+
+
+def looks_at(pose: Pose, gaze: float) -> bool:
+    """Whether the robot's heading is the wanted one."""
+    return abs(wrap(gaze - pose.yaw)) < AIMED
+
+
+def passing_height(
+    region: Region, y: float, goal_y: float, x: float, goal_x: float, tracks: Iterable[Track],
+    strip: tuple[float, float],
+) -> float:  # fmt: skip
+    """The height at which to cross: the goal's, or a little off where someone could turn beside.
+
+    A robot between EPSILON and TURN_KEEP off the row that has room to turn is given more berth,
+    as far as the own strip allows.
+    """
+    height = goal_y
+    towards = 1.0 if goal_x > x else -1.0
+    for track in tracks:
+        ox, oy = track.centre
+        off = oy - goal_y
+        near = EPSILON - 0.1 < abs(off) < TURN_KEEP + 0.02 and towards * (ox - x) > -TURN_KEEP - 0.3
+        if near and abs(ox - goal_x) > TURN_KEEP and can_turn(region, ox, oy):
+            wanted = oy + math.copysign(TURN_KEEP + 0.03, -off)
+            if strip[0] + HALF < wanted < strip[1] - HALF and abs(wanted - goal_y) > abs(
+                height - goal_y
+            ):
+                height = wanted
+    return height

@@ -1,0 +1,76 @@
+"""The Player half: protocol, sessions, server, client and proxies."""
+
+from player.client import PlayerClient
+from player.codes import (
+    DEFAULT_PORT,
+    Access,
+    DataMode,
+    DeviceAddr,
+    Interface,
+    MessageType,
+    Replace,
+)
+from player.errors import (
+    PlayerDisconnected,
+    PlayerError,
+    PlayerRefused,
+    PlayerTimeout,
+    ProtocolError,
+    XdrError,
+)
+from player.messages import Blob, BumperSegment, Fiducial
+from player.proxies import (
+    BlobfinderProxy,
+    BumperProxy,
+    DioProxy,
+    FiducialProxy,
+    Geometry,
+    LaserConfig,
+    LaserProxy,
+    Position2dProxy,
+    Proxy,
+    RangerConfig,
+    RangerGeometry,
+    RangerProxy,
+    SimulationProxy,
+    Size,
+    SpeechProxy,
+)
+from player.xdr import Pose2d, Pose3d
+
+__all__ = [
+    "DEFAULT_PORT",
+    "Access",
+    "Blob",
+    "BlobfinderProxy",
+    "BumperProxy",
+    "BumperSegment",
+    "DataMode",
+    "DeviceAddr",
+    "DioProxy",
+    "Fiducial",
+    "FiducialProxy",
+    "Geometry",
+    "Interface",
+    "LaserConfig",
+    "LaserProxy",
+    "MessageType",
+    "PlayerClient",
+    "PlayerDisconnected",
+    "PlayerError",
+    "PlayerRefused",
+    "PlayerTimeout",
+    "Pose2d",
+    "Pose3d",
+    "Position2dProxy",
+    "ProtocolError",
+    "Proxy",
+    "RangerConfig",
+    "RangerGeometry",
+    "RangerProxy",
+    "Replace",
+    "SimulationProxy",
+    "Size",
+    "SpeechProxy",
+    "XdrError",
+]

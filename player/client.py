@@ -1,0 +1,471 @@
+"""A connection to a Player server, as a controller uses it: read, command, request."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+from collections.abc import Callable, Mapping
+from time import monotonic
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+
+from player import messages
+from player.codes import (
+    ANY,
+    BANNER_SIZE,
+    DEFAULT_PORT,
+    Access,
+    DataMode,
+    DeviceAddr,
+    Interface,
+    MessageType,
+    PlayerRequest,
+    Replace,
+)
+from player.environment import Place, find_place, release
+from player.errors import PlayerDisconnected, PlayerRefused, PlayerTimeout, ProtocolError
+from player.header import Message, MessageReader, pack_message
+from player.transport import hurry, quick_acknowledge
+from player.xdr import Values
+
+if TYPE_CHECKING:
+    from player.proxies.base import Proxy
+
+DEFAULT_TIMEOUT = 5.0
+"""Wall-clock seconds that a server over TCP has for an answer, as in Player's own client."""
+
+RECEIVE_SIZE = 1 << 18
+FLUSH_SIZE = 1 << 16
+_PLAYER = DeviceAddr(Interface.PLAYER, 0)
+_DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = map(int, MessageType)
+_REQUEST_DATA = pack_message(Interface.PLAYER, 0, _REQ, PlayerRequest.DATA)
+
+
+class PlayerClient:
+    """One connection to a Player server. Proxies of devices are made on it.
+
+    Where to connect: `host` and `port` if given; else what the environment says: PLAYER_FD (the
+    number of an inherited socket), or PLAYER_HOST and PLAYER_PORT; else 127.0.0.1:6665.
+
+    `timeout`: wall-clock seconds to wait for an answer; None for ever. Left out it is 5 over
+    TCP, and None over an inherited socket, whose other end is alive or closed.
+    `read_timeout`: the same for data in `read`; None, the default, waits for ever.
+    `mode`: "pull" (one `read` asks for and gets one round of data) or "push".
+    `replace`: in pull mode, newer data takes the place of older data that has not been asked for.
+
+    Raises PlayerDisconnected where nobody listens, PlayerTimeout where nobody answers,
+    ProtocolError where it is not Player that does.
+    """
+
+    def __init__(
+        self,
+        host: str | None = None,
+        port: int | None = None,
+        *,
+        sock: socket.socket | None = None,
+        timeout: float | Literal["default"] | None = "default",
+        read_timeout: float | None = None,
+        mode: Literal["pull", "push"] = "pull",
+        replace: bool = True,
+        environ: Mapping[str, str] = os.environ,
+    ) -> None:
+        place = Place(sock=sock) if sock is not None else find_place(host, port, environ)
+        self.name = environ.get("PLAYER_ROBOT", "")
+        """The robot's name in the simulation, "" if unknown."""
+        self.index = place.index
+        """The device index that proxies take unless told another."""
+        self.seed = place.seed
+        """The seed of this robot in this run, from PLAYER_SEED; 0 if there is none."""
+        self.time = 0.0
+        """Simulated time of the last reading, seconds."""
+        self.ending = ""
+        """Why the run is over for this client; "" while it is not."""
+        self.stray = 0
+        """Replies that nobody was waiting for, dropped."""
+        self.timeout: float | None
+        if timeout == "default":
+            self.timeout = None if place.sock is not None else DEFAULT_TIMEOUT
+        else:
+            self.timeout = timeout
+        self.read_timeout = read_timeout
+        self._rng: np.random.Generator | None = None
+        self._reader = MessageReader()
+        self._proxies: list[Proxy] = []
+        self._routes: dict[tuple[int, ...], list[Proxy]] = {}
+        self._out: list[bytes] = []
+        self._out_size = 0
+        self._stored: list[Message] = []
+        self._asked = False
+        self._acknowledged = False
+        self._closed = False
+        self._mode = DataMode.PUSH  # a server's first state
+        self._waits: float | None = None
+        if place.sock is not None:
+            self.address = "the inherited socket"
+            self._socket = place.sock
+            self._tcp = False
+        else:
+            self.address = f"{place.host}:{place.port}"
+            self._socket = self._connect(place.host, place.port)
+            self._tcp = True
+        try:
+            self._socket.settimeout(None)
+            self.banner = self._receive_banner()
+            """What the server said first, such as `Player v.3.1.1-dev`."""
+            self.set_data_mode(mode)
+            if replace:
+                self.add_replace_rule()
+        except BaseException:
+            release(self._socket)
+            self._socket.close()
+            raise
+
+    def __repr__(self) -> str:
+        return f"<PlayerClient of {self.address}{', ' + self.ending if self.ending else ''}>"
+
+    # -- for controllers --------------------------------------------------------------------
+
+    def read(self) -> bool:
+        """Waits for the next reading and hands it to the proxies; False when the run is over.
+
+        In pull mode that is one round: every subscribed device's newest data. In push mode it
+        is what has arrived, at least one device's data. Queued commands travel along.
+        Raises PlayerTimeout, ProtocolError, and PlayerDisconnected after `close`.
+        """
+        if self._closed:
+            raise PlayerDisconnected("this PlayerClient has been closed")
+        for proxy in self._proxies:
+            proxy.fresh = False
+        if self.ending:
+            return False
+        if not self._routes:
+            raise ProtocolError("read() would wait for ever: make a proxy of a device first")
+        try:
+            return self._read_round() if self._mode is DataMode.PULL else self._read_pushed()
+        except PlayerDisconnected:
+            if self._reader.buffered:
+                raise  # in the middle of a message
+            return False
+
+    def flush(self) -> None:
+        """Sends queued commands now, without waiting for the next `read`.
+
+        Raises PlayerDisconnected if the server has gone.
+        """
+        if not self._send_queued():
+            self._end(f"{self.address} closed the connection")
+
+    def rng(self) -> np.random.Generator:
+        """This robot's random generator, seeded by the run's seed: the same one at each call."""
+        if self._rng is None:
+            self._rng = np.random.default_rng([self.seed])
+        return self._rng
+
+    def devices(self) -> list[DeviceAddr]:
+        """The devices at the server's port."""
+        reply = self.request(_PLAYER, PlayerRequest.DEVLIST)
+        return [DeviceAddr(int(row[2]), int(row[3])) for row in reply["devices"]]
+
+    def driver(self, addr: DeviceAddr) -> str:
+        """The name of the driver behind a device; PlayerRefused if there is no such device."""
+        reply = self.request(
+            _PLAYER, PlayerRequest.DRIVERINFO, {"addr": (0, 0, *addr), "driver": ""}
+        )
+        return str(reply["driver"])
+
+    def set_data_mode(self, mode: Literal["pull", "push"]) -> None:
+        """Chooses between asking for data ("pull") and being sent it as it comes ("push")."""
+        modes = {"pull": DataMode.PULL, "push": DataMode.PUSH}
+        if mode not in modes:
+            raise ValueError(f"mode is 'pull' or 'push' ({mode!r} given)")
+        self.request(_PLAYER, PlayerRequest.DATAMODE, {"mode": modes[mode]})
+        self._mode = modes[mode]
+        self._asked = self._acknowledged = False
+
+    def add_replace_rule(
+        self,
+        interf: int = ANY,
+        index: int = ANY,
+        subtype: int = ANY,
+        replace: Replace = Replace.REPLACE,
+    ) -> None:
+        """What the server does with data while older data of its kind waits (-1: any)."""
+        rule = {
+            "interf": interf,
+            "index": index,
+            "type": _DATA,
+            "subtype": subtype,
+            "replace": replace,
+        }
+        self.request(_PLAYER, PlayerRequest.ADD_REPLACE_RULE, rule)
+
+    def close(self) -> None:
+        """Sends queued commands and closes the connection; further calls do nothing."""
+        if self._closed:
+            return
+        if not self.ending:
+            with contextlib.suppress(PlayerDisconnected, OSError):
+                self.flush()
+        self._closed = True
+        release(self._socket)
+        self._socket.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # -- for proxies ------------------------------------------------------------------------
+
+    def subscribe(self, proxy: Proxy) -> str:
+        """Subscribes the proxy's device, once for all its proxies; returns the driver's name.
+
+        Raises PlayerRefused, with the devices that there are, if there is no such device.
+        """
+        driver = ""
+        if proxy.addr not in self._routes:
+            try:
+                driver = self._access(proxy.addr, Access.OPEN)
+            except PlayerRefused:
+                there = ", ".join(str(addr) for addr in self.devices()) or "none"
+                raise PlayerRefused(
+                    f"no device {proxy.addr} at {self.address} (devices there: {there})"
+                ) from None
+        self._routes.setdefault(tuple(map(int, proxy.addr)), []).append(proxy)
+        self._proxies.append(proxy)
+        return driver
+
+    def unsubscribe(self, proxy: Proxy) -> None:
+        """Undoes `subscribe`; nothing if the connection is gone."""
+        self._proxies.remove(proxy)
+        route = self._routes[proxy.addr]
+        route.remove(proxy)
+        if not route:
+            del self._routes[proxy.addr]
+            if not (self._closed or self.ending):
+                self._access(proxy.addr, Access.CLOSE)
+
+    def _access(self, addr: DeviceAddr, access: Access) -> str:
+        message = {"addr": (0, 0, *addr), "access": access, "driver": ""}
+        reply = self.request(_PLAYER, PlayerRequest.DEV, message)
+        if reply["access"] != access:
+            raise PlayerRefused(f"{self.address} could not {access.name.lower()} {addr}")
+        return str(reply["driver"])
+
+    def command(self, addr: DeviceAddr, subtype: int, message: Values) -> None:
+        """Queues a command for the next `read`, request or `flush`. Raises XdrError."""
+        payload = messages.encode(addr.interf, _CMD, subtype, **message)
+        self.queue(pack_message(*addr, _CMD, subtype, payload))
+
+    def queue(self, data: bytes) -> None:
+        """Queues one encoded message; sends what is queued when it gets long."""
+        if self._closed:
+            raise PlayerDisconnected("this PlayerClient has been closed")
+        if self.ending:
+            return  # the robot is not there any more; the next read() says so
+        self._out.append(data)
+        self._out_size += len(data)
+        if self._out_size > FLUSH_SIZE:
+            with contextlib.suppress(PlayerDisconnected):
+                self.flush()
+
+    def request(self, addr: DeviceAddr, subtype: int, message: Values | None = None) -> Values:
+        """Sends a request, waits for its reply and returns the reply's fields.
+
+        Data that comes in between is kept for the next `read`. Raises PlayerRefused at a NACK,
+        PlayerTimeout, PlayerDisconnected, and XdrError if `message` does not fit.
+        """
+        if self._closed or self.ending:
+            raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
+        payload = messages.encode(addr.interf, _REQ, subtype, **(message or {}))
+        self._out.append(pack_message(*addr, _REQ, subtype, payload))
+        self._send_queued()
+
+        def name() -> str:
+            spec = messages.find(addr.interf, _REQ, subtype)
+            return f"{spec.name if spec else subtype} of {addr}"
+
+        deadline = None if self.timeout is None else monotonic() + self.timeout
+        expected = (*addr, subtype)
+        while True:
+            got = self._next(deadline, self.timeout, name)
+            if got.type in (_DATA, _SYNCH):
+                self._stored.append(got)
+            elif self._is_data_ack(got):
+                self._acknowledged = True
+            elif (got.interf, got.index, got.subtype) != expected:
+                self.stray += 1
+            elif got.type == _NACK:
+                raise PlayerRefused(f"{self.address} refused the request {name()}")
+            elif got.type == _ACK:
+                return messages.decode(addr.interf, _ACK, subtype, got.payload)
+
+    # -- messages ---------------------------------------------------------------------------
+
+    def _read_round(self) -> bool:
+        for position, message in enumerate(self._stored):
+            if message.type == _DATA:
+                self._dispatch(message)
+            elif self._asked:  # the end of a round that an earlier read() gave up waiting for
+                del self._stored[: position + 1]
+                self._asked = self._acknowledged = False
+                return True
+        self._stored.clear()
+        if not self._asked:
+            self._out.append(_REQUEST_DATA)
+            self._asked = True
+            self._send_queued()
+        deadline = self._deadline()
+        while True:
+            message = self._next(deadline, self._limit(), lambda: "data")
+            type_ = message.type
+            if type_ == _DATA:
+                self._dispatch(message)
+            elif type_ == _SYNCH:
+                self._asked = self._acknowledged = False
+                return True
+            elif self._is_data_ack(message) and not self._acknowledged:
+                self._acknowledged = True
+                self.time = message.time  # in case the round holds no data
+                deadline = self._deadline()
+            elif type_ == _NACK and self._is_data_reply(message):
+                self._asked = False
+                raise PlayerRefused(f"{self.address} refused to send data")
+            else:
+                self.stray += 1
+
+    def _limit(self) -> float | None:
+        return self.read_timeout if self._acknowledged else self.timeout
+
+    def _deadline(self) -> float | None:
+        limit = self._limit()
+        return None if limit is None else monotonic() + limit
+
+    def _read_pushed(self) -> bool:
+        stored, self._stored = self._stored, []
+        self._send_queued()
+        found = False
+        deadline = None if self.read_timeout is None else monotonic() + self.read_timeout
+        message: Message | None
+        for message in stored:
+            if message.type == _DATA:
+                self._dispatch(message)
+                found = True
+        while True:
+            message = self._reader.take()
+            if message is None:
+                if found:
+                    return True
+                message = self._next(deadline, self.read_timeout, lambda: "data")
+            if message.type == _DATA:
+                self._dispatch(message)
+                found = True
+            elif message.type != _SYNCH:
+                self.stray += 1
+
+    @staticmethod
+    def _is_data_reply(message: Message) -> bool:
+        return message.interf == _PLAYER.interf and message.subtype == PlayerRequest.DATA
+
+    def _is_data_ack(self, message: Message) -> bool:
+        return self._asked and message.type == _ACK and self._is_data_reply(message)
+
+    def _dispatch(self, message: Message) -> None:
+        self.time = message.time
+        for proxy in self._routes.get(message[2:4], ()):
+            proxy.take(message.subtype, message.payload, message.time)
+
+    def _next(
+        self, deadline: float | None, limit: float | None, name: Callable[[], str]
+    ) -> Message:
+        while True:
+            message = self._reader.take()
+            if message is not None:
+                return message
+            self._reader.feed(self._receive(deadline, limit, name))
+
+    # -- bytes ------------------------------------------------------------------------------
+
+    def _connect(self, host: str, port: int) -> socket.socket:
+        try:
+            sock = socket.create_connection((host, port), timeout=self.timeout)
+        except TimeoutError:
+            raise PlayerTimeout(
+                f"{self.address} did not take the connection within {self.timeout:g} s"
+            ) from None
+        except OSError as error:
+            raise PlayerDisconnected(
+                f"cannot connect to a Player server at {self.address}: {error.strerror or error} "
+                "(is it running, and is this its port?)"
+            ) from None
+        hurry(sock)
+        return sock
+
+    def _receive_banner(self) -> str:
+        deadline = None if self.timeout is None else monotonic() + self.timeout
+        banner = b""
+        while len(banner) < BANNER_SIZE:
+            banner += self._receive(deadline, self.timeout, lambda: "the banner", BANNER_SIZE)
+            if not b"Player".startswith(banner[:6]):
+                raise ProtocolError(f"{self.address} is no Player server: it said {banner[:32]!r}")
+        self._reader.feed(banner[BANNER_SIZE:])
+        return banner[:BANNER_SIZE].split(b"\0")[0].decode("ascii", "replace")
+
+    def _receive(
+        self,
+        deadline: float | None,
+        limit: float | None,
+        name: Callable[[], str],
+        size: int = RECEIVE_SIZE,
+    ) -> bytes:
+        waits: float | None = None
+        if deadline is not None:
+            waits = max(deadline - monotonic(), 1e-3)
+        if waits != self._waits:
+            self._socket.settimeout(waits)
+            self._waits = waits
+        try:
+            data = self._socket.recv(size)
+        except TimeoutError:
+            raise PlayerTimeout(
+                f"{self.address} did not answer within {limit:g} s ({name()})"
+            ) from None
+        except ConnectionResetError:
+            data = b""  # it closed without having read all that was sent
+        except OSError as error:
+            self._end(f"the connection to {self.address} broke: {error.strerror}")
+        if not data:
+            self._end(f"{self.address} closed the connection")
+        if self._tcp:
+            quick_acknowledge(self._socket)
+        return data
+
+    def _send_queued(self) -> bool:
+        """Sends; False if the server has closed: what is received then is its last words."""
+        if not self._out:
+            return True
+        data = b"".join(self._out)
+        self._out.clear()
+        self._out_size = 0
+        if self._waits is not None:
+            self._socket.settimeout(None)
+            self._waits = None
+        try:
+            self._socket.sendall(data)
+        except (BrokenPipeError, ConnectionResetError):
+            return False
+        except OSError as error:
+            self._end(f"the connection to {self.address} broke: {error.strerror}")
+        return True
+
+    def _end(self, reason: str) -> Any:
+        self.ending = reason
+        if self._reader.buffered:
+            reason += f" in the middle of a message ({self._reader.buffered} bytes of it came)"
+        raise PlayerDisconnected(reason)
+
+
+__all__ = ["DEFAULT_PORT", "DEFAULT_TIMEOUT", "PlayerClient"]

@@ -1,0 +1,119 @@
+"""The 40-byte header that starts every message, and bytes cut into messages again."""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+from player.errors import ProtocolError
+
+HEADER = struct.Struct(">6IdII")
+"""host, robot, interface, index, type, subtype, timestamp, seq, payload size."""
+
+HEADER_SIZE = HEADER.size
+
+MAX_PAYLOAD = 8 << 20
+"""Largest payload that Player itself would make (8 MB)."""
+
+_LAST_TYPE = 6
+
+
+class Message(NamedTuple):
+    """One message as it travels; `time` in seconds, `payload` still encoded."""
+
+    host: int
+    robot: int
+    interf: int
+    index: int  # type: ignore[assignment]  # Player's name for it, not tuple's method
+    type: int
+    subtype: int
+    time: float
+    seq: int
+    payload: bytes
+
+    def encode(self) -> bytes:
+        """Header and payload."""
+        return HEADER.pack(*self[:8], len(self.payload)) + self.payload
+
+
+def pack_message(
+    interf: int,
+    index: int,
+    type: int,
+    subtype: int,
+    payload: bytes = b"",
+    *,
+    time: float = 0.0,
+    host: int = 0,
+    robot: int = 0,
+    seq: int = 0,
+) -> bytes:
+    """Header and payload of one message."""
+    header = HEADER.pack(host, robot, interf, index, type, subtype, time, seq, len(payload))
+    return header + payload
+
+
+class MessageReader:
+    """Takes bytes in pieces of any size and gives whole messages, one at a time.
+
+    Keeps at most one unfinished message and what was fed after it. A header that cannot be one
+    (a type that does not exist, a payload above `max_payload`) raises ProtocolError: there is no
+    way to find the next message after it.
+    """
+
+    __slots__ = ("_buffer", "_needed", "_offset", "max_payload")
+
+    def __init__(self, max_payload: int = MAX_PAYLOAD) -> None:
+        self.max_payload = max_payload
+        self._buffer: bytes | bytearray = b""
+        self._offset = 0
+        self._needed = HEADER_SIZE
+
+    def feed(self, data: bytes) -> None:
+        """Adds what has been received."""
+        left = len(self._buffer) - self._offset
+        if not left:
+            self._buffer = data
+            self._offset = 0
+            return
+        if not isinstance(self._buffer, bytearray):
+            self._buffer = bytearray(self._buffer)
+        if self._offset:
+            del self._buffer[: self._offset]
+            self._offset = 0
+        self._buffer += data
+
+    @property
+    def buffered(self) -> int:
+        """Bytes that were fed and not yet given as messages."""
+        return len(self._buffer) - self._offset
+
+    def take(self) -> Message | None:
+        """The next whole message, None if more bytes are needed for it."""
+        buffer = self._buffer
+        start = self._offset
+        left = len(buffer) - start
+        if left < self._needed:
+            return None
+        header = HEADER.unpack_from(buffer, start)
+        size = header[8]
+        if size > self.max_payload:
+            raise ProtocolError(
+                f"a message announces {size} bytes of payload (at most {self.max_payload})"
+            )
+        if not 1 <= header[4] <= _LAST_TYPE or header[2] > 0xFFFF or header[3] > 0xFFFF:
+            raise ProtocolError(
+                f"not a message header: interface {header[2]}, index {header[3]}, type {header[4]}"
+            )
+        total = HEADER_SIZE + size
+        if left < total:
+            self._needed = total
+            return None
+        self._needed = HEADER_SIZE
+        payload = bytes(buffer[start + HEADER_SIZE : start + total])
+        if left == total:
+            self._buffer = b""
+            self._offset = 0
+        else:
+            self._offset = start + total
+        return Message._make((*header[:8], payload))

@@ -1,0 +1,81 @@
+"""What all proxies have in common: a subscription, and data that comes in."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+from player import messages
+from player.client import PlayerClient
+from player.codes import DeviceAddr, Interface, MessageType
+from player.xdr import Pose3d, Values
+
+
+class Size(NamedTuple):
+    """An extent in metres: along x, y and z of the thing's own frame."""
+
+    length: float
+    width: float
+    height: float
+
+
+class Geometry(NamedTuple):
+    """Where a device (or robot) is on its carrier, metres and radians, and how large it is."""
+
+    pose: Pose3d
+    size: Size
+
+
+def geometry(values: Values) -> Geometry:
+    """The geometry in a reply; its wire order is width, length, height."""
+    width, length, height = values["size"]
+    return Geometry(values["pose"], Size(length, width, height))
+
+
+class Proxy:
+    """A device that this client has subscribed.
+
+    `index` is the device's; the client's own (PLAYER_INDEX, else 0) if left out. Raises
+    PlayerRefused if the server has no such device.
+    """
+
+    interface: ClassVar[Interface]
+
+    def __init__(self, client: PlayerClient, index: int | None = None) -> None:
+        self.client = client
+        self.addr = DeviceAddr(int(self.interface), client.index if index is None else index)
+        self.time = 0.0
+        """Timestamp of the last data, seconds of simulated time."""
+        self.fresh = False
+        """True if data came with the last `read`."""
+        self.valid = False
+        """True once data has come."""
+        self.driver = client.subscribe(self)
+        """The name of the driver behind the device, as the server gave it."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.addr} at {self.client.address}>"
+
+    def close(self) -> None:
+        """Ends the subscription; the proxy keeps its last data."""
+        self.client.unsubscribe(self)
+
+    def take(self, subtype: int, payload: bytes, time: float) -> None:
+        """Called by the client for each message of data from the device."""
+        self.time = time
+        self.fresh = True
+        self.valid = True
+        self.decode(subtype, payload)
+
+    def decode(self, subtype: int, payload: bytes) -> None:
+        """Takes over one message of data; raises XdrError if it is not the interface's."""
+
+    def _table(self, subtype: int, payload: bytes) -> Values | None:
+        """Fields of data by the message table; None for data that it does not list."""
+        spec = messages.find(self.addr.interf, MessageType.DATA, subtype)
+        return None if spec is None else spec.decode(payload)
+
+    def _request(self, subtype: int, /, **message: Any) -> Values:
+        return self.client.request(self.addr, subtype, message)
+
+    def _command(self, subtype: int, /, **message: Any) -> None:
+        self.client.command(self.addr, subtype, message)

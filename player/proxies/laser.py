@@ -1,0 +1,146 @@
+"""A laser range finder: one scan, counter-clockwise from the right."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from player.codes import Interface
+from player.errors import XdrError
+from player.proxies.base import Geometry, Proxy, geometry
+from player.xdr import Pose2d
+
+Floats = npt.NDArray[np.float64]
+
+_HEAD = struct.Struct(">4fII")
+_COUNTS = struct.Struct(">II")
+_POSE = struct.Struct(">3d")
+_RANGES = np.dtype(">f4")
+
+
+class LaserConfig(NamedTuple):
+    """How a laser scans: radians, metres, hertz."""
+
+    min_angle: float
+    max_angle: float
+    resolution: float
+    max_range: float
+    range_resolution: float
+    intensity: bool
+    scanning_frequency: float
+
+
+class LaserProxy(Proxy):
+    """Player's laser. Arrays are new at each reading: what you kept does not change."""
+
+    interface = Interface.LASER
+
+    min_angle = 0.0
+    """Bearing of the first reading, radians; 0 is straight ahead of the laser."""
+    max_angle = 0.0
+    resolution = 0.0
+    """Radians between readings, as the server says."""
+    max_range = 0.0
+    """Metres; also the reading where nothing is hit."""
+    id = 0
+    robot_pose: Pose2d | None = None
+    """The robot's pose at the scan, if the server sends it."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.ranges: Floats = np.zeros(0)
+        """Metres, shape (n,), from the right to the left."""
+        self.intensity: npt.NDArray[np.uint8] = np.zeros(0, np.uint8)
+        """Shape (n,), or (0,) if the laser has none."""
+        self._bearings: Floats = np.zeros(0)
+        self._rays: Floats = np.zeros((0, 2))
+        self._fan: tuple[float, float, int] | None = None
+        super().__init__(*args, **kwargs)
+
+    @property
+    def count(self) -> int:
+        """The number of readings."""
+        return len(self.ranges)
+
+    @property
+    def bearings(self) -> Floats:
+        """The readings' bearings, radians, shape (n,)."""
+        self._spread()
+        return self._bearings
+
+    @property
+    def points(self) -> Floats:
+        """Where the readings end, metres in the laser's frame (x ahead, y left), shape (n, 2)."""
+        self._spread()
+        return self._rays * self.ranges[:, None]
+
+    def _spread(self) -> None:
+        fan = (self.min_angle, self.max_angle, len(self.ranges))
+        if fan != self._fan:
+            self._fan = fan
+            self._bearings = np.linspace(*fan)
+            self._rays = np.stack((np.cos(self._bearings), np.sin(self._bearings)), axis=1)
+
+    def decode(self, subtype: int, payload: bytes) -> None:
+        """SCAN, SCANPOSE and SCANANGLE; see Proxy."""
+        if subtype not in (1, 2):
+            self._decode_angles(subtype, payload)
+            return
+        try:
+            *angles, n, again = _HEAD.unpack_from(payload)
+            end = 24 + 4 * n
+            m, m_again = _COUNTS.unpack_from(payload, end)
+            tail = end + 8 + m + (-m % 4)
+            if n != again or m != m_again or len(payload) != tail + (4 if subtype == 1 else 28):
+                raise XdrError(f"{self.addr}: the scan's counts ({n}, {m}) do not fit its size")
+            ranges = np.frombuffer(payload, _RANGES, n, 24).astype(np.float64)
+            self.id = int.from_bytes(payload[tail : tail + 4])
+            if subtype == 2:
+                self.robot_pose = Pose2d(*_POSE.unpack_from(payload, tail + 4))
+        except (struct.error, ValueError) as error:
+            if isinstance(error, XdrError):
+                raise
+            raise XdrError(f"{self.addr}: {len(payload)} bytes are no scan") from None
+        self.min_angle, self.max_angle, self.resolution, self.max_range = angles
+        self.ranges = ranges
+        self.intensity = np.frombuffer(payload, np.uint8, m, end + 8)
+
+    def _decode_angles(self, subtype: int, payload: bytes) -> None:
+        values = self._table(subtype, payload)
+        if values is None:
+            return
+        bearings = values["angles"].astype(np.float64)
+        if len(bearings) != len(values["ranges"]):
+            raise XdrError(f"{self.addr}: {len(bearings)} angles, {len(values['ranges'])} ranges")
+        self.ranges = values["ranges"].astype(np.float64)
+        self.max_range = values["max_range"]
+        self.intensity = np.frombuffer(values["intensity"], np.uint8)
+        self.id = values["id"]
+        if len(bearings):
+            self.min_angle, self.max_angle = float(bearings[0]), float(bearings[-1])
+        self._fan = (self.min_angle, self.max_angle, len(bearings))
+        self._bearings = bearings
+        self._rays = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
+
+    def request_geometry(self) -> Geometry:
+        """Where the laser is mounted, and its size."""
+        return geometry(self._request(1))
+
+    def request_configuration(self) -> LaserConfig:
+        """How the laser scans; also known from the first scan on."""
+        config = LaserConfig(**self._request(3))
+        return config._replace(intensity=bool(config.intensity))
+
+    def configure(self, config: LaserConfig) -> LaserConfig:
+        """Asks for another way to scan; returns what the server made of it."""
+        return LaserConfig(**self._request(2, **config._asdict()))
+
+    def set_power(self, on: bool) -> None:
+        """Switches the laser on or off."""
+        self._request(4, state=bool(on))
+
+    def request_id(self) -> int:
+        """The laser's serial number."""
+        return int(self._request(5)["serial_number"])

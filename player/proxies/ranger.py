@@ -1,0 +1,139 @@
+"""A ranger: a scanning range finder, or a ring of single beams such as sonars."""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from player.codes import Interface
+from player.errors import PlayerRefused, PlayerTimeout, XdrError
+from player.proxies.base import Proxy, Size
+from player.xdr import Pose3d, Values
+
+Floats = npt.NDArray[np.float64]
+
+_COUNTS = struct.Struct(">II")
+_FLOATS = np.dtype(">f8")
+
+
+class RangerConfig(NamedTuple):
+    """How a ranger measures: radians, metres, hertz."""
+
+    min_angle: float
+    max_angle: float
+    angular_resolution: float
+    min_range: float
+    max_range: float
+    range_resolution: float
+    frequency: float
+
+
+class RangerGeometry(NamedTuple):
+    """Where a ranger and its elements are: poses (k, 6) as Pose3d, sizes (k, 3) length first."""
+
+    pose: Pose3d
+    size: Size
+    element_poses: Floats
+    element_sizes: Floats
+
+
+def _geometry(values: Values) -> RangerGeometry:
+    width, length, height = values["size"]
+    return RangerGeometry(
+        values["pose"],
+        Size(length, width, height),
+        values["element_poses"],
+        values["element_sizes"][:, [1, 0, 2]],
+    )
+
+
+class RangerProxy(Proxy):
+    """Player's ranger.
+
+    Its configuration and geometry are asked for when it is made, because its data does not say
+    where the ranges point; a server may refuse either (then `config` or `geometry` is None).
+    """
+
+    interface = Interface.RANGER
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.ranges: Floats = np.zeros(0)
+        """Metres, shape (n,)."""
+        self.intensities: Floats = np.zeros(0)
+        self.config: RangerConfig | None = None
+        self.geometry: RangerGeometry | None = None
+        super().__init__(*args, **kwargs)
+        with contextlib.suppress(PlayerRefused, PlayerTimeout):
+            self.request_configuration()
+        with contextlib.suppress(PlayerRefused, PlayerTimeout):
+            self.request_geometry()
+
+    @property
+    def count(self) -> int:
+        """The number of ranges."""
+        return len(self.ranges)
+
+    @property
+    def bearings(self) -> Floats:
+        """Where the ranges point, radians in the ranger's frame, shape (n,).
+
+        Of a scan: evenly from the least to the greatest angle. Of several elements: their yaw.
+        ValueError if the server did not tell.
+        """
+        n = len(self.ranges)
+        if self.geometry is not None and n > 1 and len(self.geometry.element_poses) == n:
+            return self.geometry.element_poses[:, 5]
+        if self.config is None:
+            raise ValueError(f"{self.addr}: the server did not tell where its ranges point")
+        return np.linspace(self.config.min_angle, self.config.max_angle, n)
+
+    def decode(self, subtype: int, payload: bytes) -> None:
+        """RANGE and INTNS, with or without stamps, and GEOM; see Proxy."""
+        if subtype in (1, 3):
+            if len(payload) < 8:
+                raise XdrError(f"{self.addr}: {len(payload)} bytes are no ranges")
+            n, again = _COUNTS.unpack_from(payload)
+            if n != again or len(payload) != 8 + 8 * n:
+                raise XdrError(f"{self.addr}: {n} ranges do not fit {len(payload)} bytes")
+            numbers = np.frombuffer(payload, _FLOATS, n, 8).astype(np.float64)
+            if subtype == 1:
+                self.ranges = numbers
+            else:
+                self.intensities = numbers
+            return
+        values = self._table(subtype, payload)
+        if values is None:
+            return
+        self.ranges = values.get("ranges", self.ranges)
+        self.intensities = values.get("intensities", self.intensities)
+        if values.get("have_geometry", True):
+            self.geometry = _geometry(values)
+        if values.get("have_config", False):
+            self.config = RangerConfig(*(values[f"config_{f}"] for f in RangerConfig._fields))
+
+    def request_geometry(self) -> RangerGeometry:
+        """Where the ranger and its elements are mounted."""
+        self.geometry = _geometry(self._request(1))
+        return self.geometry
+
+    def request_configuration(self) -> RangerConfig:
+        """How the ranger measures."""
+        self.config = RangerConfig(**self._request(5))
+        return self.config
+
+    def configure(self, config: RangerConfig) -> RangerConfig:
+        """Asks for another configuration; returns what the server made of it."""
+        self.config = RangerConfig(**self._request(4, **config._asdict()))
+        return self.config
+
+    def set_power(self, on: bool) -> None:
+        """Switches the ranger on or off."""
+        self._request(2, value=bool(on))
+
+    def set_intensity(self, on: bool) -> None:
+        """Switches intensity data on or off."""
+        self._request(3, value=bool(on))

@@ -1,0 +1,544 @@
+"""One client's session on a server: its subscriptions, its queue, its data mode. No sockets.
+
+Bytes go in with `receive`, which gives events; what is to be written comes out of `outgoing`.
+Requests to the server itself (interface `player`) are answered here, and so is whatever is not in
+the protocol. Rules of the queue after Player's TCP server:
+
+- In push mode data goes out as it is published.
+- In pull mode data waits until the client asks (REQ DATA), or until a reply is made: data queued
+  before a reply goes out before it. Once the client has asked and a round holds data, all of it
+  goes out, and a SYNCH ends it.
+- A replace rule lets newer data take the place of older data of its kind in the queue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from player import messages
+from player.codes import (
+    ANY,
+    BANNER,
+    QUEUE_LIMIT,
+    Access,
+    DataMode,
+    DeviceAddr,
+    Interface,
+    MessageType,
+    PlayerRequest,
+    Replace,
+    Synch,
+)
+from player.directory import Directory
+from player.errors import ProtocolError, XdrError
+from player.header import HEADER, Message, MessageReader
+from player.xdr import Values
+
+MAX_REQUEST = 1 << 20
+"""Largest payload that a client may send, bytes: far above any request, 65 thousand points."""
+
+BACKLOG_LIMIT = 1 << 20
+"""Bytes of replies that may wait to be written before no further request is looked at."""
+
+MAX_RULES = 256
+"""Replace rules that one client may add."""
+
+_PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
+
+
+class Subscribed(NamedTuple):
+    """The client has subscribed a device (for the first time, or again after a close)."""
+
+    addr: DeviceAddr
+
+
+class Unsubscribed(NamedTuple):
+    """The client has closed its last subscription of a device."""
+
+    addr: DeviceAddr
+
+
+class Command(NamedTuple):
+    """A command to an existing device; `name` is the table's (`velocity`). Never answered."""
+
+    addr: DeviceAddr
+    subtype: int
+    message: Values
+    name: str
+
+
+class Request(NamedTuple):
+    """A request to an existing device: exactly one of `acknowledge` and `refuse` is due."""
+
+    addr: DeviceAddr
+    subtype: int
+    message: Values
+    name: str
+    number: int
+    seq: int
+
+
+class DataRequested(NamedTuple):
+    """The client waits for the next data. `served`: there was some, and it has gone out."""
+
+    served: bool
+
+
+class ModeChanged(NamedTuple):
+    """The client has chosen to be sent data (push) or to ask for it (pull)."""
+
+    mode: DataMode
+
+
+class Ignored(NamedTuple):
+    """A message that Player would warn about and pass over: no such device or command."""
+
+    reason: str
+
+
+class Malformed(NamedTuple):
+    """The bytes are not the protocol: the connection is to be closed."""
+
+    reason: str
+
+
+Event = (
+    Subscribed
+    | Unsubscribed
+    | Command
+    | Request
+    | DataRequested
+    | ModeChanged
+    | Ignored
+    | Malformed
+)
+
+_Kind = tuple[int, int, int]  # interface, index, subtype of data
+
+
+class Session:
+    """The state of one client's connection.
+
+    `patient`: the answer to REQ DATA is held back until data goes out with it, in one write. Not
+    for clients of Player's own library, whose requests time out after five seconds.
+    `notify`, if given, is called whenever `outgoing` starts to have something to say.
+    """
+
+    def __init__(
+        self,
+        directory: Directory,
+        *,
+        patient: bool = False,
+        limit: int = QUEUE_LIMIT,
+        max_request: int = MAX_REQUEST,
+        notify: Callable[[], None] | None = None,
+    ) -> None:
+        self.directory = directory
+        self.patient = patient
+        self.limit = limit
+        self.mode = DataMode.PUSH
+        self.subscribed: dict[DeviceAddr, int] = {}
+        """Subscribed devices, and how often each."""
+        self.waiting = False
+        """The client has asked for data and not been served yet."""
+        self.dropped = 0
+        """Messages lost to a full queue since the last SYNCH."""
+        self.broken = False
+        """Malformed bytes have come: nothing is read any more."""
+        self.closed = False
+        """`close` has been called."""
+        self.notify = notify
+        self._reader = MessageReader(max_request)
+        self._out: list[bytes] = [BANNER]
+        self._backlog = len(BANNER)
+        self._queue: dict[int, bytes] = {}
+        self._number = 0
+        self._latest: dict[_Kind, int] = {}
+        self._rules: list[tuple[int, int, int, int, int]] = []
+        self._rule_of: dict[_Kind, int] = {}
+        self._open_round = False
+        self._held_ack = False
+        self._pending: dict[int, Request] = {}
+        self._requests = 0
+
+    # -- bytes in ---------------------------------------------------------------------------
+
+    def receive(self, data: bytes) -> list[Event]:
+        """Takes bytes from the client, in pieces of any size, and gives what they mean, in order.
+
+        Stops early while `backlog` is above its limit (the client asks and does not read);
+        `receive(b"")` goes on from there.
+        """
+        events: list[Event] = []
+        if self.broken:
+            return events
+        if data:
+            self._reader.feed(data)
+        try:
+            while self._backlog <= BACKLOG_LIMIT:
+                message = self._reader.take()
+                if message is None:
+                    break
+                self._handle(message, events)
+        except ProtocolError as error:
+            self.broken = True
+            events.append(Malformed(str(error)))
+        return events
+
+    @property
+    def backlog(self) -> int:
+        """Bytes that `outgoing` would give now."""
+        return self._backlog
+
+    @property
+    def stalled(self) -> bool:
+        """True if received bytes are left unread until the backlog has been written."""
+        return self._backlog > BACKLOG_LIMIT
+
+    def _handle(self, message: Message, events: list[Event]) -> None:
+        interf, index, type_, subtype = message[2:6]
+        if type_ not in (_CMD, _REQ):
+            if interf == _PLAYER:
+                self._reply(message, _NACK)
+            else:
+                events.append(Ignored(f"a client sent a message of type {type_}"))
+            return
+        if interf == _PLAYER:
+            self._handle_player(message, events)
+            return
+        addr = DeviceAddr(interf, index)
+        spec = messages.find(interf, type_, subtype)
+        reason = None
+        if addr not in self.directory:
+            reason = f"there is no device {addr}"
+        elif spec is None:
+            reason = f"{addr}: no {MessageType(type_).name} of subtype {subtype} is known"
+        else:
+            try:
+                values = spec.decode(message.payload) if spec.fields else {}
+            except XdrError as error:
+                reason = str(error)
+        if reason is not None or spec is None:
+            if type_ == _REQ:
+                self._reply(message, _NACK)
+            events.append(Ignored(reason or ""))
+        elif type_ == _CMD:
+            events.append(Command(addr, subtype, values, spec.name))
+        else:
+            self._requests += 1
+            request = Request(addr, subtype, values, spec.name, self._requests, message.seq)
+            self._pending[self._requests] = request
+            events.append(request)
+
+    def _handle_player(self, message: Message, events: list[Event]) -> None:
+        subtype = message.subtype
+        spec = messages.find(_PLAYER, _REQ, subtype)
+        if message.type != _REQ or message.index != 0 or spec is None:
+            self._reply(message, _NACK)
+            return
+        if subtype == PlayerRequest.DATA:
+            self._ask(message, events)
+            return
+        try:
+            values = spec.decode(message.payload) if spec.fields else {}
+        except XdrError as error:
+            self._reply(message, _NACK)
+            events.append(Ignored(str(error)))
+            return
+        if subtype == PlayerRequest.DEVLIST:
+            self._reply(message, _ACK, self.directory.listing())
+        elif subtype == PlayerRequest.DRIVERINFO:
+            self._driver_info(message, values)
+        elif subtype == PlayerRequest.DEV:
+            self._subscription(message, values, events)
+        elif subtype == PlayerRequest.DATAMODE:
+            self._change_mode(message, values["mode"], events)
+        elif subtype == PlayerRequest.ADD_REPLACE_RULE:
+            accepted = self._add_rule(values)
+            self._reply(message, _ACK if accepted else _NACK)
+        else:
+            self._reply(message, _NACK)  # authentication and names: Player has neither
+
+    def _driver_info(self, message: Message, values: Values) -> None:
+        addr = DeviceAddr(*values["addr"][2:])
+        if addr not in self.directory:
+            self._reply(message, _NACK)
+            return
+        payload = messages.encode(
+            _PLAYER, _ACK, 2, addr=self._wire(addr), driver=self.directory.driver(addr)
+        )
+        self._reply(message, _ACK, payload)
+
+    def _subscription(self, message: Message, values: Values, events: list[Event]) -> None:
+        addr = DeviceAddr(*values["addr"][2:])
+        access = values["access"]
+        count = self.subscribed.get(addr, 0)
+        type_ = _ACK
+        event: Event | None = None
+        if access == Access.OPEN and addr in self.directory:
+            self.subscribed[addr] = count + 1
+            event = None if count else Subscribed(addr)
+        elif access == Access.OPEN:
+            type_, access = _NACK, Access.ERROR
+        elif access == Access.CLOSE and count > 1:
+            self.subscribed[addr] = count - 1
+        elif access == Access.CLOSE and count:
+            del self.subscribed[addr]
+            event = Unsubscribed(addr)
+        else:
+            access = Access.ERROR
+        payload = messages.encode(
+            _PLAYER,
+            type_,
+            3,
+            addr=self._wire(addr),
+            access=access,
+            driver=self.directory.driver(addr),
+        )
+        self._reply(message, type_, payload)
+        if event is not None:
+            events.append(event)
+
+    def _wire(self, addr: DeviceAddr) -> tuple[int, int, int, int]:
+        return (self.directory.wire_host, self.directory.port, *addr)
+
+    def _change_mode(self, message: Message, mode: int, events: list[Event]) -> None:
+        self._reply(message, _ACK)  # whatever the mode, as Player does
+        if mode not in (DataMode.PUSH, DataMode.PULL) or mode == self.mode:
+            return
+        self.mode = DataMode(mode)
+        if self.mode is DataMode.PUSH:
+            if self._held_ack:
+                self._release_ack()
+            self.waiting = False
+            self._release_queue()
+        events.append(ModeChanged(self.mode))
+
+    def _add_rule(self, values: Values) -> bool:
+        if values["replace"] not in iter(Replace):
+            return False
+        rule = (*(values[name] for name in ("interf", "index", "type", "subtype", "replace")),)
+        for position, other in enumerate(self._rules):
+            if other[:4] == rule[:4]:
+                self._rules[position] = rule
+                break
+        else:
+            if len(self._rules) >= MAX_RULES:
+                return False
+            self._rules.append(rule)
+        self._rule_of.clear()
+        return True
+
+    def _ask(self, message: Message, events: list[Event]) -> None:
+        if self.mode is not DataMode.PULL:
+            self._emit(self._header(message, _ACK))
+            return
+        if self._held_ack:
+            self._release_ack()  # asked twice: each request has its one answer
+        self.waiting = True
+        if self.patient:
+            self._held_ack = True
+        else:
+            self._emit(self._header(message, _ACK))
+        served = bool(self._queue) and not self._open_round
+        if served:
+            self._serve()
+        events.append(DataRequested(served))
+
+    # -- replies ----------------------------------------------------------------------------
+
+    def acknowledge(
+        self, request: Request, message: Values | None = None, time: float | None = None
+    ) -> None:
+        """Answers a request with an ACK that carries `message` (None: nothing).
+
+        `time` is simulated, in seconds; the directory's if left out. Raises KeyError if the
+        request has been answered already, XdrError if `message` is not the reply's layout (the
+        request is refused then, so that its client does not wait).
+        """
+        payload = b""
+        if message is not None:
+            spec = messages.find(request.addr.interf, _ACK, request.subtype)
+            try:
+                if spec is None:
+                    raise XdrError(f"{request.addr}: no reply of subtype {request.subtype}")
+                payload = spec.encode(message)
+            except XdrError:
+                self.refuse(request, time=time)
+                raise
+        self._answer(request, _ACK, payload, time)
+
+    def refuse(self, request: Request, time: float | None = None) -> None:
+        """Answers a request with a NACK; KeyError if it has been answered already."""
+        self._answer(request, _NACK, b"", time)
+
+    def _answer(self, request: Request, type_: int, payload: bytes, time: float | None) -> None:
+        del self._pending[request.number]
+        directory = self.directory
+        header = HEADER.pack(
+            directory.wire_host,
+            directory.port,
+            *request.addr,
+            type_,
+            request.subtype,
+            directory.time if time is None else time,
+            request.seq,
+            len(payload),
+        )
+        self._release_queue()
+        self._emit(header + payload)
+
+    @property
+    def pending(self) -> list[Request]:
+        """Requests that have not been answered, oldest first."""
+        return list(self._pending.values())
+
+    def _reply(self, message: Message, type_: int, payload: bytes = b"") -> None:
+        self._release_queue()
+        self._emit(self._header(message, type_, len(payload)) + payload)
+
+    def _header(self, message: Message, type_: int, size: int = 0) -> bytes:
+        directory = self.directory
+        return HEADER.pack(
+            directory.wire_host,
+            directory.port,
+            message.interf,
+            message.index,
+            type_,
+            message.subtype,
+            directory.time,
+            message.seq,
+            size,
+        )
+
+    # -- data out ---------------------------------------------------------------------------
+
+    def publish(self, addr: DeviceAddr, subtype: int, payload: bytes, time: float) -> None:
+        """Queues data of a device, already encoded, if the client has subscribed it.
+
+        It goes out at `end_of_round`, after all of its round. When `limit` messages wait
+        unread, further ones are dropped and the next SYNCH says so.
+        """
+        if addr not in self.subscribed or self.closed:
+            return
+        interf, index = addr
+        directory = self.directory
+        header = HEADER.pack(
+            directory.wire_host,
+            directory.port,
+            interf,
+            index,
+            _DATA,
+            subtype,
+            time,
+            0,
+            len(payload),
+        )
+        self._open_round = True
+        queue = self._queue
+        self._number += 1
+        if self._rules:
+            kind = (interf, index, subtype)
+            rule = self._rule_of.get(kind)
+            if rule is None:
+                rule = self._find_rule(kind)
+            if rule == Replace.IGNORE:
+                return
+            if rule == Replace.REPLACE:
+                queue.pop(self._latest.get(kind, 0), None)
+                self._latest[kind] = self._number
+        if len(queue) >= self.limit:
+            self.dropped += 1
+            return
+        queue[self._number] = header + payload
+
+    def _find_rule(self, kind: _Kind) -> int:
+        interf, index, subtype = kind
+        found = int(Replace.ACCEPT)
+        for rule in self._rules:
+            wanted = zip(rule[:4], (interf, index, _DATA, subtype), strict=True)
+            if all(part in (ANY, value) for part, value in wanted):
+                found = rule[4]
+                break
+        self._rule_of[kind] = found
+        return found
+
+    def end_of_round(self) -> None:
+        """All data of a tick has been published: it goes out if the client has asked for it."""
+        self._open_round = False
+        if not self._queue:
+            return
+        if self.waiting:
+            self._serve()
+        elif self.mode is DataMode.PUSH and self.notify is not None:
+            self.notify()
+
+    def _serve(self) -> None:
+        """The queue goes out, then a SYNCH; the client is not waiting any more."""
+        if self._held_ack:
+            self._release_ack()
+        self._release_queue()
+        if self.dropped:
+            payload = messages.encode(_PLAYER, _SYNCH, 2, dropped=min(self.dropped, 0xFFFFFFFF))
+            self._emit(HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OVERFLOW, 0.0, 0, 4) + payload)
+            self.dropped = 0
+        else:
+            self._emit(_SYNCH_OK)
+        self.waiting = False
+
+    def _release_ack(self) -> None:
+        directory = self.directory
+        self._held_ack = False
+        self._emit(
+            HEADER.pack(
+                directory.wire_host,
+                directory.port,
+                _PLAYER,
+                0,
+                _ACK,
+                PlayerRequest.DATA,
+                directory.time,
+                0,
+                0,
+            )
+        )
+
+    def _release_queue(self) -> None:
+        if self._queue:
+            for chunk in self._queue.values():
+                self._emit(chunk)
+            self._queue.clear()
+            self._latest.clear()
+
+    def _emit(self, chunk: bytes) -> None:
+        if self.closed:
+            return
+        if not self._out and self.notify is not None:
+            self.notify()
+        self._out.append(chunk)
+        self._backlog += len(chunk)
+
+    def close(self) -> None:
+        """The client is gone: nothing is kept for it any more; `subscribed` stays to be read."""
+        self.closed = self.broken = True
+        self.waiting = False
+        self.notify = None
+        self._queue.clear()
+        self._latest.clear()
+        self._out.clear()
+        self._backlog = 0
+
+    def outgoing(self) -> bytes:
+        """Takes the bytes that are to be written now; b"" if there are none."""
+        if self.mode is DataMode.PUSH and self._queue and not self._open_round:
+            self._release_queue()
+        if not self._out:
+            return b""
+        data = b"".join(self._out)
+        self._out.clear()
+        self._backlog = 0
+        return data
+
+
+_SYNCH_OK = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)

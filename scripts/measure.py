@@ -1,0 +1,165 @@
+"""The measurements behind docs/performance.md; run by scripts/bench."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+FIELD = """\
+name: Open field
+size: [316, 316]
+duration: {duration}
+until: duration
+models:
+  rover:
+    body: {{shape: box, size: [1, 1], height: 1.0, color: green}}
+    drive: {{kind: differential, max_speed: 0.5, max_turn_rate: 90}}
+    sensors:
+      - {{type: laser, range: 20, fov: 180, samples: 180}}
+      - {{type: blobfinder, range: 20, fov: 180, image: [160, 120], colors: [red, green]}}
+robots:
+  - {{model: rover, count: 1000, placement: random, controller: {controller}}}
+"""
+MARK = "<!-- measured -->"
+
+
+def run_command(*words: str) -> tuple[dict[str, object], float]:
+    """The JSON result of a run by the command line, and the whole process's seconds."""
+    began = perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-m", "troupe", "run", *words, "--json", "--quiet"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(done.stdout), perf_counter() - began
+
+
+def median_speed(repeats: int, *words: str) -> float:
+    """Median of simulated seconds per second over several runs."""
+    speeds = []
+    for _ in range(repeats):
+        result, _ = run_command(*words)
+        speeds.append(float(str(result["speed"])))
+    return statistics.median(speeds)
+
+
+def small_team(repeats: int) -> str:
+    speed = median_speed(repeats, "worlds/wander.yaml", "--duration", "300")
+    return f"{speed:.0f} x real time"
+
+
+def first_tick(repeats: int) -> str:
+    run_command("worlds/wander.yaml", "--duration", "0.1")  # warms the caches
+    times = [run_command("worlds/wander.yaml", "--duration", "0.1")[1] for _ in range(repeats)]
+    return f"{statistics.median(times):.2f} s, the whole process with one tick"
+
+
+def field(folder: Path, controller: str, duration: float) -> Path:
+    path = folder / f"field_{controller}.yaml"
+    path.write_text(FIELD.format(duration=duration, controller=controller))
+    return path
+
+
+def crowd_without_controllers(folder: Path, repeats: int) -> tuple[str, str]:
+    """Speed of sensing and moving 1000 robots, and nanoseconds per ray of one laser batch."""
+    from sim.scenery import Scenery  # noqa: PLC0415 - after the path is set
+    from sim.worldfile import load  # noqa: PLC0415
+
+    scenery = Scenery(load(field(folder, "null", 10)), 1)
+    world = scenery
+    loaded = load(field(folder, "null", 10))
+    for spec, pose in zip(loaded.robots, world.start_poses, strict=True):
+        world.add_robot(spec.name, spec.model, loaded.world.models[spec.model], pose)
+    random = np.random.default_rng(1)
+    robots = np.arange(1000)
+    speeds = []
+    for _ in range(repeats + 1):
+        began = perf_counter()
+        for tick in range(30):
+            turns = random.standard_normal(1000) * 0.5
+            world.stage.command(robots, np.stack([np.full(1000, 0.4), 0 * turns, turns], 1))
+            world.stage.tick()
+            world.refresh()
+            world.odometry.update(world.stage.poses, 0.1, tick)
+            world.suite.sense(tick, 0.1 * tick)
+        speeds.append(3.0 / (perf_counter() - began))
+    lasers = np.zeros(world.suite.slots, bool)
+    lasers[0::2] = True
+    rays = []
+    for tick in range(20):
+        began = perf_counter()
+        world.suite.sense(tick, 0.0, lasers)
+        rays.append((perf_counter() - began) / (1000 * 180) * 1e9)
+    return (
+        f"{statistics.median(speeds[1:]):.1f} x real time",
+        f"{statistics.median(rays):.1f} ns",
+    )
+
+
+def crowd(folder: Path, repeats: int) -> str:
+    path = field(folder, "wander", 10)
+    return f"{median_speed(repeats, str(path)):.2f} x real time"
+
+
+def machine() -> str:
+    """What this was measured on."""
+    model = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        names = [li for li in info.read_text().splitlines() if li.startswith("model name")]
+        model = names[0].partition(": ")[2] if names else model
+    return (
+        f"{os.cpu_count()} cores of {model}, {platform.system()}, "
+        f"Python {platform.python_version()}, numpy {np.__version__}"
+    )
+
+
+def main() -> None:
+    """Measure, print the table, and write it into the documentation if asked to."""
+    options = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
+    options.add_argument("--write", action="store_true", help="into docs/performance.md")
+    options.add_argument("--quick", action="store_true", help="one run of each")
+    args = options.parse_args()
+    repeats = 1 if args.quick else 5
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        sense_and_move, ray = crowd_without_controllers(folder, repeats)
+        rows = [
+            ("16 x 21 m, 4 robots with laser and blobfinder at 10 Hz, 4 controller processes",
+             "200 x real time", small_team(repeats)),
+            ("sense and move, 1000 robots at 0.01 per m2, laser (180 rays, 20 m) and blobfinder "
+             "(160 columns), 10 Hz, no controllers", "10 x real time", sense_and_move),
+            ("the same with 1000 controller processes that wander",
+             "0.5 x real time", crowd(folder, max(1, repeats // 2))),
+            ("one ray, 1000 robots, one core", "under 30 ns", ray),
+            ("`troupe run` to its first tick, caches warm", "under 1.5 s", first_tick(repeats)),
+        ]  # fmt: skip
+    table = "\n".join(
+        [f"Measured on {machine()}.", "", "| what | target | measured |", "| --- | --- | --- |"]
+        + [f"| {what} | {target} | {found} |" for what, target, found in rows]
+    )
+    print(table)
+    if args.write:
+        page = ROOT / "docs" / "performance.md"
+        before, _, rest = page.read_text().partition(MARK)
+        _, _, after = rest.partition(MARK)
+        page.write_text(f"{before}{MARK}\n{table}\n{MARK}{after}")
+
+
+if __name__ == "__main__":
+    main()

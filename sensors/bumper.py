@@ -1,0 +1,112 @@
+"""The bumper: switches around the body that close where it touches something.
+
+A switch covers an arc of bearings about the sensor's place on the robot (its centre, unless the
+pose says otherwise); a contact closes every switch in whose arc it lies, both ends included.
+"""
+
+import math
+from typing import Self
+
+import numpy as np
+from pydantic import model_validator
+
+from .compiled import compiled
+from .grid import Flags, Floats, Ints
+from .readings import Bits
+from .registry import sensor
+from .settings import Count, Number, SensorSettings, setting
+from .view import View
+
+Arc = tuple[Number, Number]
+
+
+class BumperSettings(SensorSettings):
+    """Equal switches all around, or parts of one's own."""
+
+    count: Count = setting(
+        4,
+        ge=1,
+        le=360,
+        unit="switches",
+        description="so many equal switches all around, the first ahead, then counter-clockwise",
+    )
+    parts: tuple[Arc, ...] = setting(
+        (),
+        max_length=360,
+        unit="deg, deg",
+        description="instead of count: from which bearing to which (counter-clockwise) each "
+        "switch reaches",
+    )
+
+    @model_validator(mode="after")
+    def _count_or_parts(self) -> Self:
+        if self.parts and "count" in self.model_fields_set:
+            raise ValueError("give count or parts, not both")
+        for k, (begin, end) in enumerate(self.parts):
+            if not 0.0 < end - begin <= 360.0:
+                raise ValueError(
+                    f"part {k} must reach counter-clockwise from its first bearing to a larger "
+                    f"one, by 360 degrees at most, not from {begin} to {end}"
+                )
+        return self
+
+    @property
+    def arcs(self) -> tuple[tuple[float, float], ...]:
+        """From which bearing to which each switch reaches, in radians."""
+        width = 360.0 / self.count
+        equal = tuple(((k - 0.5) * width, (k + 0.5) * width) for k in range(self.count))
+        return tuple((math.radians(a), math.radians(b)) for a, b in self.parts or equal)
+
+
+def _empty(settings: BumperSettings, n: int) -> Bits:
+    return Bits.empty(n, len(settings.arcs), settings.arcs)
+
+
+@sensor("bumper", kind="bits", settings=BumperSettings, readings=_empty)
+def sense_bumps(settings: BumperSettings, view: View, readings: Bits) -> None:
+    """Which switches around the body touch something."""
+    assert readings.arcs is not None
+    readings.bits[view.rows] = False
+    contacts = view.contacts
+    if len(contacts.robots):
+        wanted = np.zeros(len(view.robots), np.bool_)
+        wanted[view.rows] = True
+        _close(
+            readings.bits,
+            wanted,
+            view.robots,
+            view.origins,
+            np.ascontiguousarray(contacts.robots, np.int64),
+            np.ascontiguousarray(contacts.points, np.float64),
+            readings.arcs,
+        )
+
+
+@compiled
+def _close(
+    bits: Flags,
+    wanted: Flags,
+    robots: Ints,
+    origins: Floats,
+    touching: Ints,
+    points: Floats,
+    arcs: Floats,
+) -> None:
+    """Close the switches that touch; robots (n,) ascend, as a batch's robots do."""
+    turn = 2.0 * math.pi
+    for c in range(touching.shape[0]):
+        j = np.searchsorted(robots, touching[c])
+        while j < robots.shape[0] and robots[j] == touching[c]:
+            if wanted[j]:
+                bearing = (
+                    math.atan2(points[c, 1] - origins[j, 1], points[c, 0] - origins[j, 0])
+                    - origins[j, 2]
+                )
+                for k in range(arcs.shape[0]):
+                    past = bearing - arcs[k, 0]
+                    past -= turn * math.floor(past / turn)
+                    width = arcs[k, 1] - arcs[k, 0]
+                    # 1e-12: a contact on the border of two switches closes both, rounding or not
+                    if past <= width + 1e-12 or past >= turn - 1e-12:
+                        bits[j, k] = True
+            j += 1

@@ -1,0 +1,49 @@
+"""Compiles a kernel with numba and keeps the machine code on disk where that is possible."""
+
+import hashlib
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, cast
+
+import numba
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def forget_stale_code(package: Path) -> None:
+    """Remove the compiled kernels of a package folder if one of its sources has changed.
+
+    numba compiles a kernel anew when the kernel's own file has changed, but not when the file of
+    a kernel that it calls has: that one would go on living inside of it.
+    """
+    cache = package / "__pycache__"
+    sources = sorted(package.glob("*.py"))
+    stats = [(source.name, source.stat()) for source in sources]
+    text = repr([(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats])
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    mark = cache / "kernels.sha256"
+    with suppress(OSError):  # no cache in this folder, or none that we may write
+        if mark.exists() and mark.read_text() == digest:
+            return
+        for index in cache.glob("*.nbi"):
+            index.unlink(missing_ok=True)
+        mark.write_text(digest)
+
+
+def compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Return `function` compiled by numba, on its first call, for the types of that call.
+
+    The machine code is cached beside the source or, where that folder cannot be written, in the
+    user's cache folder; where neither can be written it is compiled anew in each process. No
+    kernel uses `fastmath` or threads: a result never depends on the number of cores.
+    """
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    try:
+        return cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
+    except RuntimeError:  # numba: "no locator available": nowhere to write a cache
+        return cast("Callable[P, R]", numba.njit(**options)(function))
+
+
+forget_stale_code(Path(__file__).parent)

@@ -1,0 +1,155 @@
+"""The cone kernel: how far away the nearest point within a cone is, as a sonar measures it.
+
+The nearest point of an edge within a cone is the foot of the perpendicular, one of the edge's
+ends, or where one of the cone's sides crosses the edge; nothing nearer can hide it.
+"""
+
+import math
+
+import numpy as np
+
+from .compiled import compiled
+from .grid import Bodies, Floats, Ints, Walls, locate, ring_cells
+from .picture import ON, SLACK, stands_on
+
+
+@compiled
+def _within(x: float, y: float, fov: float, side_x: float, side_y: float) -> bool:
+    """Whether (x, y) lies in the cone about the x axis whose left side is (side_x, side_y)."""
+    slack = SLACK * math.hypot(x, y)
+    right_of_left = side_x * y - side_y * x <= slack
+    left_of_right = side_x * y + side_y * x >= -slack
+    if fov <= math.pi:
+        return right_of_left and left_of_right
+    return right_of_left or left_of_right
+
+
+@compiled
+def _edge_distance(
+    ax: float, ay: float, ex: float, ey: float, fov: float, side_x: float, side_y: float
+) -> float:
+    """How near the edge from a to a + e comes within the cone; infinity if it does not."""
+    area = ax * ey - ay * ex
+    if stands_on(ax, ay, ex, ey, area):
+        return 0.0
+    best = math.inf
+    bx, by = ax + ex, ay + ey
+    if _within(ax, ay, fov, side_x, side_y):
+        best = math.hypot(ax, ay)
+    if _within(bx, by, fov, side_x, side_y):
+        best = min(best, math.hypot(bx, by))
+    square = ex * ex + ey * ey
+    along = -(ax * ex + ay * ey)
+    if 0.0 < along < square:
+        foot = area / square  # the foot of the perpendicular is (ey, -ex) times this
+        if _within(ey * foot, -ex * foot, fov, side_x, side_y):
+            best = min(best, abs(area) / math.sqrt(square))
+    for turn in range(2):
+        dx, dy = side_x, side_y if turn == 0 else -side_y
+        across = dx * ey - dy * ex
+        if across != 0.0:
+            distance = area / across
+            part = (ax * dy - ay * dx) / across
+            if distance >= 0.0 and -SLACK <= part <= 1.0 + SLACK:
+                best = min(best, distance)
+    return best
+
+
+@compiled
+def _circle_distance(
+    x: float, y: float, radius: float, fov: float, side_x: float, side_y: float
+) -> float:
+    """How near a circle about (x, y) comes within the cone; infinity if it does not."""
+    centre = math.hypot(x, y)
+    if abs(centre - radius) <= ON:
+        return 0.0
+    outside = 1.0 if centre > radius else -1.0  # inside, the nearest point is behind
+    if _within(outside * x, outside * y, fov, side_x, side_y):
+        return abs(centre - radius)
+    best = math.inf
+    power = (centre - radius) * (centre + radius)
+    for turn in range(2):
+        dx, dy = side_x, side_y if turn == 0 else -side_y
+        toward, aside = x * dx + y * dy, abs(x * dy - y * dx)
+        if aside > radius:
+            continue
+        half = math.sqrt((radius - aside) * (radius + aside))
+        if power < 0.0:
+            best = min(best, half + toward if toward > 0.0 else power / (toward - half))
+        elif toward > 0.0:
+            best = min(best, power / (toward + half))
+    return best
+
+
+@compiled
+def cast_cones(
+    seen: tuple[Bodies, Walls],
+    origins: Floats,
+    own: Ints,
+    fov: float,
+    max_range: float,
+    ranges: Floats,
+) -> None:
+    """Write into `ranges` (n,) how far the nearest point in each cone is, at most `max_range`.
+
+    Args:
+        seen: `Scene.arrays`.
+        origins: (n, 3) x, y, heading of the cones' axes.
+        own: (n,) the entity that each sensor does not see, or -1.
+        fov: the cones' width in radians, sides included, at most 2 pi.
+    """
+    bodies, walls = seen
+    bounds, shapes, vertices, body_frame, body_start, body_items = bodies
+    segments, owners, wall_frame, wall_start, wall_items = walls
+    cells = np.empty(max(body_start.shape[0], wall_start.shape[0]), np.int64)
+    side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
+    for j in range(origins.shape[0]):
+        ox, oy = origins[j, 0], origins[j, 1]
+        cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
+        best = max_range
+
+        column, row, first, last, inset = locate(wall_frame, ox, oy)
+        for ring in range(first, last + 1):
+            if ring > 0 and (ring - 1) * wall_frame[2] + inset > best:
+                break
+            for n in range(ring_cells(wall_frame, column, row, ring, cells)):
+                for k in range(wall_start[cells[n]], wall_start[cells[n] + 1]):
+                    wall = wall_items[k]
+                    if owners[wall] == own[j]:
+                        continue
+                    x, y = segments[wall, 0] - ox, segments[wall, 1] - oy
+                    dx, dy = segments[wall, 2], segments[wall, 3]
+                    ax, ay = cos * x + sin * y, cos * y - sin * x
+                    ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
+                    best = min(best, _edge_distance(ax, ay, ex, ey, fov, side_x, side_y))
+
+        column, row, first, last, inset = locate(body_frame, ox, oy)
+        for ring in range(first - 1, last + 1):
+            if ring == first - 1:  # the cell behind the last: the bodies larger than a cell
+                cells[0] = int(body_frame[3]) * int(body_frame[4])
+                count = 1
+            else:
+                if ring > 0 and (ring - 1) * body_frame[2] + inset - body_frame[5] > best:
+                    break
+                count = ring_cells(body_frame, column, row, ring, cells)
+            for n in range(count):
+                for k in range(body_start[cells[n]], body_start[cells[n] + 1]):
+                    s = body_items[k]
+                    if shapes[s, 0] == own[j]:
+                        continue
+                    x, y, radius = bounds[s, 0] - ox, bounds[s, 1] - oy, bounds[s, 2]
+                    if x * x + y * y > (best + radius + ON) * (best + radius + ON):
+                        continue
+                    if shapes[s, 2] == 0:
+                        ax, ay = cos * x + sin * y, cos * y - sin * x
+                        best = min(best, _circle_distance(ax, ay, radius, fov, side_x, side_y))
+                        continue
+                    begin, end = shapes[s, 1], shapes[s, 1] + shapes[s, 2]
+                    for v in range(begin, end):
+                        w = v + 1 if v + 1 < end else begin
+                        x, y = vertices[v, 0] - ox, vertices[v, 1] - oy
+                        dx, dy = vertices[w, 0] - vertices[v, 0], vertices[w, 1] - vertices[v, 1]
+                        ax, ay = cos * x + sin * y, cos * y - sin * x
+                        ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
+                        best = min(best, _edge_distance(ax, ay, ex, ey, fov, side_x, side_y))
+        ranges[j] = best

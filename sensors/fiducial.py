@@ -1,0 +1,127 @@
+"""The fiducial finder: ids and relative poses of marked things in sight.
+
+A thing is in sight if its centre (the origin of its own frame) lies within range and fov, and the
+straight line there meets nothing else before: neither the robot itself nor the thing seen is in
+the way.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from .compiled import compiled
+from .grid import Floats, Ints
+from .rays import cast
+from .readings import FIDUCIAL, Fiducials
+from .registry import sensor
+from .settings import Count, Number, SensorSettings, setting
+from .view import View
+
+Ids = npt.NDArray[np.int32]
+
+
+class FiducialSettings(SensorSettings):
+    """The defaults are those of Stage."""
+
+    range: Number = setting(8.0, gt=0, unit="m", description="how far it sees")
+    fov: Number = setting(180.0, gt=0, le=360, unit="deg", description="how wide it sees")
+    ids: tuple[Count, ...] = setting(
+        (), unit="ids", description="the ids it looks for; empty: all of them"
+    )
+
+
+def _empty(settings: FiducialSettings, n: int) -> Fiducials:
+    return Fiducials.empty(n, math.radians(settings.fov), settings.range)
+
+
+@lru_cache(maxsize=256)
+def _looked_for(ids: tuple[int, ...]) -> Ids:
+    return np.array(ids, np.int32)
+
+
+@sensor("fiducial", kind="fiducials", settings=FiducialSettings, readings=_empty)
+def sense_fiducials(settings: FiducialSettings, view: View, readings: Fiducials) -> None:
+    """Ids and relative poses of marked things in sight."""
+    scene = view.scene
+    marked = np.flatnonzero((scene.fiducials != 0) & ~scene.hidden)
+    if settings.ids:
+        marked = marked[np.isin(scene.fiducials[marked], _looked_for(settings.ids))]
+    rows, targets, distances, lines = _candidates(
+        scene.poses,
+        marked,
+        view.origins,
+        view.entities,
+        view.rows,
+        readings.fov,
+        settings.range,
+    )
+    readings.counts[view.rows] = 0
+    if not len(rows):
+        return
+    # One ray each, a little longer than the way, so that a thing whose edge is its centre is hit.
+    ranges, hits = cast(scene, lines, view.entities[rows], 0.0, 1, 1.01 * settings.range)
+    clear = (hits[:, 0] == targets) | (ranges[:, 0] >= distances)
+    rows, targets, distances = rows[clear], targets[clear], distances[clear]
+    if not len(rows):
+        return
+    order = np.lexsort((targets, distances, rows))
+    rows, targets = rows[order], targets[order]
+    counts = np.bincount(rows, minlength=len(readings.counts))
+    readings.reserve(int(counts.max()))
+    readings.counts[view.rows] = counts[view.rows]
+    begin = np.cumsum(counts) - counts
+    found = np.zeros(len(rows), FIDUCIAL)
+    origins, poses = view.origins[rows], scene.poses[targets]
+    cos, sin = np.cos(origins[:, 2]), np.sin(origins[:, 2])
+    dx, dy = (poses - origins)[:, 0], (poses - origins)[:, 1]
+    found["id"] = scene.fiducials[targets]
+    found["x"], found["y"] = cos * dx + sin * dy, cos * dy - sin * dx
+    turn = poses[:, 2] - origins[:, 2]
+    found["yaw"] = turn - 2.0 * np.pi * np.floor((turn + np.pi) / (2.0 * np.pi))
+    readings.fiducials[rows, np.arange(len(rows)) - begin[rows]] = found
+
+
+@compiled
+def _candidates(
+    poses: Floats,
+    marked: Ints,
+    origins: Floats,
+    own: Ints,
+    rows: Ints,
+    fov: float,
+    max_range: float,
+) -> tuple[Ints, Ints, Floats, Floats]:
+    """Pairs of a row and a marked entity within range and fov: rows, entities, distances (k,),
+    and (k, 3) lines of sight: the sensor's place, and the heading to the entity."""
+    found = np.empty((max(4 * len(rows), 16), 2), np.int64)
+    lines = np.empty((found.shape[0], 4))
+    count = 0
+    for j in rows:
+        x, y, heading = origins[j, 0], origins[j, 1], origins[j, 2]
+        for entity in marked:
+            if entity == own[j]:
+                continue
+            dx, dy = poses[entity, 0] - x, poses[entity, 1] - y
+            square = dx * dx + dy * dy
+            if square > max_range * max_range:
+                continue
+            toward = math.atan2(dy, dx)
+            bearing = toward - heading
+            bearing -= 2.0 * math.pi * math.floor((bearing + math.pi) / (2.0 * math.pi))
+            if abs(bearing) > 0.5 * fov + 1e-12:  # 1e-12: rounding of the bearing at the very side
+                continue
+            if count == found.shape[0]:
+                found = np.concatenate((found, np.empty_like(found)))
+                lines = np.concatenate((lines, np.empty_like(lines)))
+            found[count, 0], found[count, 1] = j, entity
+            lines[count, 0], lines[count, 1], lines[count, 2] = x, y, toward
+            lines[count, 3] = math.sqrt(square)
+            count += 1
+    return (
+        found[:count, 0].copy(),
+        found[:count, 1].copy(),
+        lines[:count, 3].copy(),
+        lines[:count, :3].copy(),
+    )

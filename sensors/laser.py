@@ -1,0 +1,61 @@
+"""The laser: a scan of ranges, with Gaussian noise if wanted."""
+
+import math
+
+from .noise import add_range_noise
+from .rays import cast_fans, fan_of
+from .readings import Scans
+from .registry import sensor
+from .settings import Count, Number, SensorSettings, setting
+from .view import View
+
+
+class LaserSettings(SensorSettings):
+    """The defaults are those of the paper's robots: 180 rays over 180 degrees, 20 m."""
+
+    range: Number = setting(
+        20.0, gt=0, unit="m", description="how far it sees; the reading where nothing is hit"
+    )
+    fov: Number = setting(
+        180.0, gt=0, le=360, unit="deg", description="the fan's width; both ends are rays"
+    )
+    samples: Count = setting(180, ge=2, le=100_000, unit="rays", description="rays per scan")
+    noise: Number = setting(
+        0.0, ge=0, unit="m", description="standard deviation of the noise on ranges that hit"
+    )
+
+
+def _empty(settings: LaserSettings, n: int) -> Scans:
+    return Scans.empty(n, settings.samples, math.radians(settings.fov), settings.range)
+
+
+@sensor("laser", kind="scan", settings=LaserSettings, readings=_empty)
+def sense_laser(settings: LaserSettings, view: View, scans: Scans) -> None:
+    """Ranges to the nearest thing along each ray of a fan."""
+    cast_scans(view, scans)
+    if settings.noise > 0.0:
+        add_range_noise(
+            scans.ranges,
+            scans.hits,
+            view.rows,
+            view.keys,
+            view.tick,
+            settings.noise,
+            settings.range,
+        )
+
+
+def cast_scans(view: View, scans: Scans) -> None:
+    """Cast the fans of a batch, without noise, into its scans."""
+    scene = view.scene
+    cast_fans(
+        scene.arrays,
+        view.origins,
+        view.entities,
+        view.rows,
+        fan_of(scans.fov, scans.ranges.shape[1]),
+        scans.fov,
+        scans.max_range,
+        scans.ranges,
+        scans.hits,
+    )

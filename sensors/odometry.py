@@ -1,0 +1,165 @@
+"""Odometry: where each robot believes to be, in the frame of its own start.
+
+Exact odometry is the true pose seen from the start. With noise, each increment of the true motion
+is measured wrongly and the wrong increments are added up, as wheels do it: the error grows with
+the way, stays while the robot stands, and is never white noise on the pose. The error of an
+increment is Gaussian with a variance in proportion to its length, so that it does not matter how
+often one looks: after 1 m the distance is wrong by `slip` metres (standard deviation), after 4 m
+by twice that; likewise `turn` for a radian turned. A gps reports the world pose.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from .compiled import compiled
+from .grid import Flags, Floats
+from .noise import Keys, gaussian_at, stream_key
+
+
+class Odometry:
+    """The reported poses of all robots; a robot's index is the order in which it was added."""
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.poses: Floats = np.zeros((0, 3))
+        """(n, 3) the last reported x, y in metres and yaw in [-pi, pi)."""
+        self._true = np.zeros((0, 3))  # true poses at the last update
+        self._frames = np.zeros((0, 3))  # exact odometry: the frame's origin in the world
+        self._gps = np.zeros(0, np.bool_)
+        self._errors = np.zeros((0, 2))  # slip, turn
+        self._keys: Keys = np.zeros(0, np.uint64)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def add_robot(
+        self,
+        name: str,
+        pose: Sequence[float],
+        *,
+        gps: bool = False,
+        slip: float = 0.0,
+        turn: float = 0.0,
+    ) -> int:
+        """Add a robot that stands at `pose` (x, y, heading in the world) and return its index.
+
+        Args:
+            name: makes, with the seed, the robot's own stream of noise.
+            gps: report the world pose, without noise.
+            slip: standard deviation of the distance after one metre, in metres.
+            turn: standard deviation of the heading after one radian turned, in radians.
+        """
+        if not (slip >= 0.0 and turn >= 0.0 and math.isfinite(slip + turn)):
+            raise ValueError(f"odometry noise must not be negative: slip {slip}, turn {turn}")
+        true = np.array(pose, np.float64).reshape(1, 3)
+        frame = np.zeros((1, 3)) if gps else true
+        self._true = np.concatenate([self._true, true])
+        self._frames = np.concatenate([self._frames, frame])
+        self._gps = np.append(self._gps, gps)
+        self._errors = np.concatenate([self._errors, [[slip, turn]]])
+        self._keys = np.append(self._keys, stream_key(self.seed, name, "odometry"))
+        reported = (
+            np.array([[true[0, 0], true[0, 1], _wrap(true[0, 2])]]) if gps else np.zeros((1, 3))
+        )
+        self.poses = np.concatenate([self.poses, reported])
+        return len(self.poses) - 1
+
+    def update(self, true_poses: npt.ArrayLike, dt: float, tick: int) -> Floats:
+        """Take the true poses (n, 3) after a tick and return the reported ones (n, 3).
+
+        Args:
+            true_poses: x, y, heading of all robots, in the order in which they were added.
+            dt: seconds since the last update; the drift depends on the way alone.
+            tick: the number of the tick: the noise of a tick is always the same.
+        """
+        true = np.ascontiguousarray(true_poses, np.float64)
+        if true.shape != self.poses.shape:
+            raise ValueError(f"odometry of {len(self.poses)} robots got poses of {true.shape}")
+        _update(
+            true, self._true, self._frames, self._gps, self._errors, self._keys, tick, self.poses
+        )
+        return self.poses
+
+    def set_odometry(self, robot: int, pose: Sequence[float]) -> None:
+        """Make `pose` (x, y, yaw) what the robot reports where it stands now.
+
+        A gps knows the world pose and stays as it is.
+        """
+        if not self._gps[robot]:
+            x, y, yaw = map(float, pose)
+            self.poses[robot] = x, y, _wrap(yaw)
+            self._anchor(robot)
+
+    def reset(self, robot: int) -> None:
+        """Make the robot's present place the origin of its odometry; a gps stays as it is."""
+        self.set_odometry(robot, (0.0, 0.0, 0.0))
+
+    def relocate(self, robot: int, pose: Sequence[float]) -> None:
+        """Tell that the robot was put to `pose` in the world by hand: no wheel turned.
+
+        Odometry goes on from what it reported before; a gps reports the new pose.
+        """
+        self._true[robot] = pose
+        if self._gps[robot]:
+            self.poses[robot] = self._true[robot, 0], self._true[robot, 1], _wrap(float(pose[2]))
+        else:
+            self._anchor(robot)
+
+    def _anchor(self, robot: int) -> None:
+        """Lay the frame so that the true pose, seen from it, is the reported one."""
+        x, y, yaw = self.poses[robot]
+        heading = self._true[robot, 2] - yaw
+        cos, sin = math.cos(heading), math.sin(heading)
+        self._frames[robot, 0] = self._true[robot, 0] - (cos * x - sin * y)
+        self._frames[robot, 1] = self._true[robot, 1] - (sin * x + cos * y)
+        self._frames[robot, 2] = heading
+
+
+@compiled
+def _wrap(angle: float) -> float:
+    """The same angle in [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@compiled
+def _update(
+    true: Floats,
+    last: Floats,
+    frames: Floats,
+    gps: Flags,
+    errors: Floats,
+    keys: Keys,
+    tick: int,
+    poses: Floats,
+) -> None:
+    for k in range(true.shape[0]):
+        x, y, heading = true[k, 0], true[k, 1], true[k, 2]
+        slip, turn = errors[k, 0], errors[k, 1]
+        if gps[k]:
+            poses[k, 0], poses[k, 1], poses[k, 2] = x, y, _wrap(heading)
+        elif slip == 0.0 and turn == 0.0:
+            dx, dy, origin = x - frames[k, 0], y - frames[k, 1], frames[k, 2]
+            cos, sin = math.cos(origin), math.sin(origin)
+            poses[k, 0] = cos * dx + sin * dy
+            poses[k, 1] = cos * dy - sin * dx
+            poses[k, 2] = _wrap(heading - origin)
+        else:
+            dx, dy, before = x - last[k, 0], y - last[k, 1], last[k, 2]
+            cos, sin = math.cos(before), math.sin(before)
+            ahead, aside, turned = cos * dx + sin * dy, cos * dy - sin * dx, heading - before
+            way = math.hypot(ahead, aside)
+            if way > 0.0:
+                stretch = 1.0 + slip * math.sqrt(way) * gaussian_at(keys[k], tick, 0) / way
+                ahead, aside = ahead * stretch, aside * stretch
+            turned += turn * math.sqrt(abs(turned)) * gaussian_at(keys[k], tick, 1)
+            yaw = poses[k, 2]
+            cos, sin = math.cos(yaw), math.sin(yaw)
+            poses[k, 0] += cos * ahead - sin * aside
+            poses[k, 1] += sin * ahead + cos * aside
+            poses[k, 2] = _wrap(yaw + turned)
+        last[k, 0], last[k, 1], last[k, 2] = x, y, heading

@@ -1,0 +1,175 @@
+"""Draws edges, circles and polygons into a one-dimensional picture: the nearest thing per ray.
+
+The picture of a sensor is a row of `depth`, which holds 1/range, and of `hits`. It is in the
+sensor's frame: x ahead, y to the left. 1/range is linear in a ray's direction along a straight
+edge: with the edge a + s e and the ray t d, 1/t = (d x e) / (a x e), so that a ray costs two
+multiplications and no division.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from .compiled import compiled
+from .grid import Floats
+
+Hits = npt.NDArray[np.int32]
+
+ON = 1e-9  # metres: a sensor this near to an edge stands on it
+EDGE_ON = 1e-12  # metres: a line this near to the sensor is seen end on and covers no ray
+SLACK = 1e-12  # radians by which an edge's run is widened, so that no ray slips between two edges
+
+
+@compiled
+def cover_line(
+    depth: Floats,
+    hits: Hits,
+    fan: Floats,
+    fov: float,
+    entity: int,
+    area: float,
+    ex: float,
+    ey: float,
+    bearing_a: float,
+    bearing_b: float,
+) -> None:
+    """Draw one edge into the picture: `area` is a x e, the bearings are those of its ends."""
+    samples = depth.shape[0]
+    if area > 0.0:
+        low, width = bearing_a, bearing_b - bearing_a
+    else:
+        low, width = bearing_b, bearing_a - bearing_b
+    if width < 0.0:
+        width += 2.0 * math.pi
+    if width > math.pi + 1.0:  # two ends in one direction, and rounding turned their order round
+        return
+    per_radian = (samples - 1) / fov if samples > 1 else 1.0
+    half_fov = 0.5 * fov if samples > 1 else 0.0  # a single ray looks ahead
+    slack = SLACK * per_radian + 1e-15 * samples
+    across, along = ey / area, -ex / area
+    for turn in range(-1, 2):  # the picture's ends meet at fov 360: an edge may lie at both
+        first = (low + turn * 2.0 * math.pi + half_fov) * per_radian
+        last = first + width * per_radian
+        if last < -slack or first > samples - 1 + slack:
+            continue
+        i0 = max(math.ceil(first - slack), 0)
+        i1 = min(math.floor(last + slack), samples - 1)
+        for i in range(i0, i1 + 1):
+            w = across * fan[0, i] + along * fan[1, i]
+            nearer = w > depth[i]
+            depth[i] = w if nearer else depth[i]
+            hits[i] = entity if nearer else hits[i]
+
+
+@compiled
+def cover_circle(
+    depth: Floats,
+    hits: Hits,
+    fan: Floats,
+    fov: float,
+    entity: int,
+    x: float,
+    y: float,
+    radius: float,
+) -> bool:
+    """Draw a circle about (x, y) into the picture. True if the sensor stands on it."""
+    samples = depth.shape[0]
+    distance = math.hypot(x, y)
+    if abs(distance - radius) <= ON:
+        return True
+    power = (distance - radius) * (distance + radius)
+    if power < 0.0:  # the sensor is inside
+        for i in range(samples):
+            toward = x * fan[0, i] + y * fan[1, i]
+            aside = abs(x * fan[1, i] - y * fan[0, i])
+            half = math.sqrt(max((radius - aside) * (radius + aside), 0.0))
+            w = 1.0 / (half + toward) if toward > 0.0 else (toward - half) / power
+            if w > depth[i]:
+                depth[i] = w
+                hits[i] = entity
+        return False
+    spread = math.asin(radius / distance)
+    per_radian = (samples - 1) / fov if samples > 1 else 1.0
+    half_fov = 0.5 * fov if samples > 1 else 0.0  # a single ray looks ahead
+    slack = SLACK * per_radian + 1e-15 * samples
+    low = math.atan2(y, x) - spread
+    for turn in range(-1, 2):
+        first = (low + turn * 2.0 * math.pi + half_fov) * per_radian
+        last = first + 2.0 * spread * per_radian
+        if last < -slack or first > samples - 1 + slack:
+            continue
+        for i in range(
+            max(math.ceil(first - slack), 0), min(math.floor(last + slack), samples - 1) + 1
+        ):
+            aside = abs(x * fan[1, i] - y * fan[0, i])
+            half = math.sqrt(max((radius - aside) * (radius + aside), 0.0))
+            w = (x * fan[0, i] + y * fan[1, i] + half) / power
+            if w > depth[i]:
+                depth[i] = w
+                hits[i] = entity
+    return False
+
+
+@compiled
+def stands_on(ax: float, ay: float, ex: float, ey: float, area: float) -> bool:
+    """Whether the origin lies within ON of the edge from a to a + e; `area` is a x e."""
+    square = ex * ex + ey * ey
+    if area * area > ON * ON * square:
+        return ax * ax + ay * ay <= ON * ON
+    along = -(ax * ex + ay * ey)
+    slack = ON * math.sqrt(square)
+    return -slack <= along <= square + slack
+
+
+@compiled
+def outside_view(x: float, y: float, side_x: float, side_y: float, reach: float) -> bool:
+    """Whether a circle lies outside of the view's left or right side (views up to 180 degrees)."""
+    return side_x * y - side_y * x > reach or -side_x * y - side_y * x > reach
+
+
+@compiled
+def draw_polygon(
+    depth: Floats,
+    hits: Hits,
+    fan: Floats,
+    fov: float,
+    entity: int,
+    vertices: Floats,
+    convex: bool,
+    ox: float,
+    oy: float,
+    cos: float,
+    sin: float,
+    scratch: Floats,
+) -> bool:
+    """Draw a polygon's edges into the picture. True if the sensor stands on one."""
+    count = vertices.shape[0]
+    outside = False
+    for k in range(count):
+        n = k + 1 if k + 1 < count else 0
+        x, y = vertices[k, 0] - ox, vertices[k, 1] - oy
+        dx, dy = vertices[n, 0] - vertices[k, 0], vertices[n, 1] - vertices[k, 1]
+        ax, ay = cos * x + sin * y, cos * y - sin * x
+        ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
+        area = ax * ey - ay * ex
+        if stands_on(ax, ay, ex, ey, area):
+            return True
+        if area < 0.0:
+            outside = True
+        scratch[k, 0], scratch[k, 1], scratch[k, 2], scratch[k, 3] = ax, ay, ex, ey
+        scratch[k, 4], scratch[k, 5] = area, 9.0  # 9: bearing not known yet
+    near_sides_only = outside and convex
+    for k in range(count):
+        n = k + 1 if k + 1 < count else 0
+        area, ex, ey = scratch[k, 4], scratch[k, 2], scratch[k, 3]
+        if near_sides_only and area > 0.0:
+            continue
+        if area * area <= EDGE_ON * EDGE_ON * (ex * ex + ey * ey):
+            continue
+        if scratch[k, 5] == 9.0:
+            scratch[k, 5] = math.atan2(scratch[k, 1], scratch[k, 0])
+        if scratch[n, 5] == 9.0:
+            scratch[n, 5] = math.atan2(scratch[n, 1], scratch[n, 0])
+        cover_line(depth, hits, fan, fov, entity, area, ex, ey, scratch[k, 5], scratch[n, 5])
+    return False

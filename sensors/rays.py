@@ -1,0 +1,277 @@
+"""The ray kernel: what each of a fan of rays hits first, and how far away.
+
+A reading is a one-dimensional picture. Seen from a sensor, an edge covers a run of rays: find the
+run from the bearings of the edge's ends, and keep the nearest edge per ray (a 1-D z-buffer). That
+buffer is `picture`'s. Cells of the grids are taken ring by ring from near to far, until nothing
+nearer can come.
+
+What a ray sees: the nearest point of any edge or circle of another entity, from either side.
+A sensor that stands on an edge or circle (within ON, 1e-9 m) reads 0 along all its rays.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from .compiled import compiled
+from .grid import Bodies, Floats, Ints, Walls, locate, ring_cells
+from .picture import (
+    EDGE_ON,
+    ON,
+    Hits,
+    cover_circle,
+    cover_line,
+    draw_polygon,
+    outside_view,
+    stands_on,
+)
+from .scene import Scene
+
+
+@compiled
+def most_corners(shapes: Ints) -> int:
+    """The number of vertices of the shape that has most."""
+    most = 0
+    for s in range(shapes.shape[0]):
+        most = max(most, shapes[s, 2])
+    return most
+
+
+@compiled
+def _all_nearer(depth: Floats, distance: float) -> bool:
+    """Whether every ray ends nearer than `distance`: then nothing farther can be seen."""
+    if distance <= 0.0:
+        return False
+    for i in range(depth.shape[0]):  # noqa: SIM110  (numba has no all() of a generator)
+        if depth[i] * distance <= 1.0:
+            return False
+    return True
+
+
+@compiled
+def _draw_walls(
+    walls: Walls,
+    stamps: Ints,
+    cells: Ints,
+    depth: Floats,
+    hits: Hits,
+    fan: Floats,
+    fov: float,
+    max_range: float,
+    own: int,
+    ox: float,
+    oy: float,
+    cos: float,
+    sin: float,
+) -> int:
+    """Draw all walls. Returns the entity on whose edge the sensor stands, or -1."""
+    segments, owners, frame, start, items = walls
+    side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
+    narrow = fov <= math.pi
+    stamps[-1] += 1
+    stamp = stamps[-1]
+    column, row, first, last, inset = locate(frame, ox, oy)
+    for ring in range(first, last + 1):
+        if ring > 0:
+            near = (ring - 1) * frame[2] + inset
+            if near > max_range or _all_nearer(depth, near):
+                break
+        for n in range(ring_cells(frame, column, row, ring, cells)):
+            for k in range(start[cells[n]], start[cells[n] + 1]):
+                wall = items[k]
+                if stamps[wall] == stamp or owners[wall] == own:
+                    continue
+                stamps[wall] = stamp
+                x, y = segments[wall, 0] - ox, segments[wall, 1] - oy
+                dx, dy = segments[wall, 2], segments[wall, 3]
+                ax, ay = cos * x + sin * y, cos * y - sin * x
+                ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
+                area = ax * ey - ay * ex
+                if stands_on(ax, ay, ex, ey, area):
+                    return int(owners[wall])
+                if area * area <= EDGE_ON * EDGE_ON * (ex * ex + ey * ey):
+                    continue
+                bx, by = ax + ex, ay + ey
+                if narrow:
+                    left_a, left_b = side_x * ay - side_y * ax, side_x * by - side_y * bx
+                    right_a, right_b = -side_x * ay - side_y * ax, -side_x * by - side_y * bx
+                    if min(left_a, left_b) > ON or min(right_a, right_b) > ON:
+                        continue
+                a, b = math.atan2(ay, ax), math.atan2(by, bx)
+                cover_line(depth, hits, fan, fov, owners[wall], area, ex, ey, a, b)
+    return -1
+
+
+@compiled
+def _draw_bodies(
+    bodies: Bodies,
+    scratch: Floats,
+    cells: Ints,
+    depth: Floats,
+    hits: Hits,
+    fan: Floats,
+    fov: float,
+    max_range: float,
+    own: int,
+    ox: float,
+    oy: float,
+    cos: float,
+    sin: float,
+) -> int:
+    """Draw all bodies. Returns the entity on whose edge the sensor stands, or -1."""
+    bounds, shapes, vertices, frame, start, items = bodies
+    side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
+    narrow = fov <= math.pi
+    column, row, first, last, inset = locate(frame, ox, oy)
+    for ring in range(first - 1, last + 1):
+        if ring == first - 1:  # first the cell behind the last: the bodies larger than a cell
+            cells[0] = int(frame[3]) * int(frame[4])
+            count = 1
+        else:
+            if ring > 0:
+                near = (ring - 1) * frame[2] + inset - frame[5]
+                if near > max_range or _all_nearer(depth, near):
+                    break
+            count = ring_cells(frame, column, row, ring, cells)
+        for n in range(count):
+            for k in range(start[cells[n]], start[cells[n] + 1]):
+                s = items[k]
+                entity = shapes[s, 0]
+                if entity == own:
+                    continue
+                dx, dy, reach = bounds[s, 0] - ox, bounds[s, 1] - oy, bounds[s, 2] + ON
+                if dx * dx + dy * dy > (max_range + reach) * (max_range + reach):
+                    continue
+                x, y = cos * dx + sin * dy, cos * dy - sin * dx
+                if narrow and outside_view(x, y, side_x, side_y, reach):
+                    continue
+                if shapes[s, 2] == 0:
+                    on = cover_circle(depth, hits, fan, fov, entity, x, y, bounds[s, 2])
+                else:
+                    on = draw_polygon(
+                        depth,
+                        hits,
+                        fan,
+                        fov,
+                        entity,
+                        vertices[shapes[s, 1] : shapes[s, 1] + shapes[s, 2]],
+                        shapes[s, 3] == 1,
+                        ox,
+                        oy,
+                        cos,
+                        sin,
+                        scratch,
+                    )
+                if on:
+                    return int(entity)
+    return -1
+
+
+@compiled
+def cast_fans(
+    seen: tuple[Bodies, Walls],
+    origins: Floats,
+    own: Ints,
+    rows: Ints,
+    fan: Floats,
+    fov: float,
+    max_range: float,
+    ranges: Floats,
+    hits: Hits,
+) -> None:
+    """Cast a fan of rays from every origin of `rows` into the same rows of `ranges` and `hits`.
+
+    Args:
+        seen: `Scene.arrays`.
+        origins: (n, 3) x, y, heading; own: (n,) the entity that each sensor does not see, or -1.
+        rows: (m,) the sensors to cast.
+        fan: (2, samples) cosines and sines of the rays' bearings; fov in radians.
+        ranges, hits: (n, samples) written.
+    """
+    bodies, walls = seen
+    cells = np.empty(max(bodies[4].shape[0], walls[3].shape[0]), np.int64)
+    stamps = np.zeros(walls[0].shape[0] + 1, np.int64)  # per wall: the last sensor that drew it
+    scratch = np.empty((most_corners(bodies[1]), 6))
+    for j in rows:
+        depth, hit = ranges[j], hits[j]
+        for i in range(depth.shape[0]):
+            depth[i] = 1.0 / max_range
+            hit[i] = -1
+        x, y = origins[j, 0], origins[j, 1]
+        cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
+        on = _draw_walls(
+            walls, stamps, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin
+        )
+        if on < 0:
+            on = _draw_bodies(
+                bodies, scratch, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin
+            )
+        for i in range(depth.shape[0]):
+            if on >= 0:
+                depth[i], hit[i] = 0.0, on
+            else:
+                depth[i] = min(1.0 / depth[i], max_range) if hit[i] >= 0 else max_range
+
+
+@lru_cache(maxsize=256)
+def fan_of(fov: float, samples: int) -> Floats:
+    """Cosines and sines (2, samples) of the bearings of a fan of `fov` radians, from the right."""
+    bearings = bearings_of(fov, samples)
+    fan = np.ascontiguousarray(np.stack([np.cos(bearings), np.sin(bearings)]))
+    fan.setflags(write=False)
+    return fan
+
+
+def bearings_of(fov: float, samples: int) -> Floats:
+    """The bearings (samples,) of a fan: from -fov/2 to +fov/2, radians; one sample looks ahead."""
+    return np.linspace(-0.5 * fov, 0.5 * fov, samples) if samples > 1 else np.zeros(1)
+
+
+def cast(
+    scene: Scene,
+    origins: npt.ArrayLike,
+    own_entity: npt.ArrayLike,
+    fov: float,
+    samples: int,
+    max_range: float,
+    *,
+    rows: Ints | None = None,
+    out: tuple[Floats, Hits] | None = None,
+) -> tuple[Floats, Hits]:
+    """Cast a fan of rays from each of n sensors.
+
+    Args:
+        scene: what can be seen, refreshed.
+        origins: (n, 3) x, y in metres and heading in radians, in the world.
+        own_entity: (n,) the entity that a sensor does not see (the robot that carries it), or -1.
+        fov: the fan's width in radians, at most 2 pi; both ends are rays.
+        samples: rays per sensor; ray 0 is the rightmost, at heading - fov/2.
+        max_range: metres; what is farther is not seen.
+        rows: (m,) the sensors to cast; all unless given.
+        out: arrays to write into, for reuse; rows that are not cast keep their content.
+
+    Returns:
+        ranges (n, samples) float64 in metres, `max_range` where nothing is hit, and hits
+        (n, samples) int32: the entity that was hit, or -1.
+    """
+    places = np.ascontiguousarray(origins, np.float64)
+    own = np.ascontiguousarray(own_entity, np.int64)
+    if out is None:
+        shape = (len(places), samples)
+        out = np.full(shape, max_range, np.float64), np.full(shape, -1, np.int32)
+    if rows is None:
+        rows = np.arange(len(places))
+    cast_fans(
+        scene.arrays,
+        places,
+        own,
+        rows,
+        fan_of(float(fov), samples),
+        float(fov),
+        float(max_range),
+        out[0],
+        out[1],
+    )
+    return out

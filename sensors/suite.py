@@ -1,0 +1,173 @@
+"""All sensors of all robots: grouped by equal settings, each group sensed in one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .grid import Flags, Floats, Ints
+from .noise import Keys, stream_key
+from .readings import Readings
+from .registry import SensorType, type_of
+from .scene import Scene
+from .settings import SensorSettings
+from .view import Contacts, View, mount_sensors
+
+Wanted = Flags | Callable[[], Flags]
+
+
+@dataclass
+class Group:
+    """The sensors of equal settings: one row of each array per sensor."""
+
+    type: SensorType
+    settings: SensorSettings
+    readings: Readings
+    """The batch: written in place by `Suite.sense`, row by row as below."""
+    robots: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """(n,) robot indices."""
+    slots: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """(n,) the sensors' numbers among all: the order of the flags in `wanted`."""
+    entities: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """(n,) the robots' entities."""
+    keys: Keys = field(default_factory=lambda: np.zeros(0, np.uint64))
+    """(n,) the keys of the sensors' streams of noise."""
+    origins: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    """(n, 3) where each sensor was and looked when it last sensed."""
+    times: Floats = field(default_factory=lambda: np.zeros(0))
+    """(n,) the simulated time of each row's reading; -1 before the first."""
+    rows: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """(m,) the rows that the last `sense` computed."""
+    everybody: Ints = field(default_factory=lambda: np.zeros(0, np.int64), repr=False)
+
+    @property
+    def kind(self) -> str:
+        """The kind of the readings: a key of `readings.KINDS`."""
+        return self.readings.kind
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One sensor's reading: `data` is of the group's kind of readings, with n = 1."""
+
+    time: float
+    """Simulated seconds; -1 before the first reading."""
+    data: Readings
+
+
+class Suite:
+    """The sensors of all robots of a run.
+
+    Robots may be added at any time; their sensors sense from the next `sense` on. Sensors are
+    numbered in the order in which they were added: sensor i of robot r is slot
+    `first_slot[r] + i`.
+    """
+
+    def __init__(self, scene: Scene, seed: int) -> None:
+        self.scene = scene
+        self.seed = seed
+        self.groups: list[Group] = []
+        """The batches, in the order in which their settings first came."""
+        self.contacts = Contacts.none()
+        """Where robots touch something: to be set before each `sense`, for the bumpers."""
+        self.first_slot: list[int] = []
+        """(robots,) the slot of each robot's first sensor."""
+        self.slots = 0
+        """How many sensors there are in all."""
+        self._groups: dict[SensorSettings, Group] = {}
+        self._places: list[tuple[Group, int]] = []  # per slot: its group, its row
+        self._new: dict[int, list[tuple[int, int, int, np.uint64]]] = {}  # by id(group)
+
+    def add_robot(self, entity: int, name: str, settings: Sequence[SensorSettings]) -> int:
+        """Add a robot with its sensors, in Player's order, and return the robot's index.
+
+        Its name, with each sensor's index, makes the sensors' streams of noise.
+        """
+        robot = len(self.first_slot)
+        self.first_slot.append(self.slots)
+        for index, wanted in enumerate(settings):
+            group = self._groups.get(wanted)
+            if group is None:
+                found = type_of(wanted)
+                group = Group(found, wanted, found.readings(wanted, 0))
+                self._groups[wanted] = group
+                self.groups.append(group)
+            new = self._new.setdefault(id(group), [])
+            self._places.append((group, len(group.robots) + len(new)))
+            new.append((robot, self.slots, entity, stream_key(self.seed, name, index)))
+            self.slots += 1
+        return robot
+
+    def sense(self, tick: int, time: float, wanted: Wanted | None = None) -> None:
+        """Sense with every sensor that is wanted, from what the scene was at its last refresh.
+
+        Args:
+            tick: the number of the tick: the noise of a tick is always the same.
+            time: simulated seconds.
+            wanted: (slots,) flags, or a function that gives them; all unless given. The readings
+                of the others stay what they were.
+        """
+        if self._new:
+            self._admit()
+        flags = wanted() if callable(wanted) else wanted
+        if flags is not None and flags.shape != (self.slots,):
+            raise ValueError(f"wanted needs a flag for each of {self.slots}, not {flags.shape}")
+        for group in self.groups:
+            rows = group.everybody if flags is None else np.flatnonzero(flags[group.slots])
+            group.rows = rows
+            if rows.size == 0:
+                continue
+            mount_sensors(
+                self.scene.poses, group.entities, rows, group.settings.mount, group.origins
+            )
+            view = View(
+                self.scene,
+                rows,
+                group.robots,
+                group.entities,
+                group.origins,
+                group.keys,
+                tick,
+                time,
+                self.contacts,
+            )
+            group.type.sense(group.settings, view, group.readings)
+            if flags is None:
+                group.times[:] = time
+            else:
+                group.times[rows] = time
+
+    def place(self, robot: int, sensor_index: int) -> tuple[Group, int]:
+        """Where a sensor's readings stand: its group, and its row in it."""
+        if self._new:
+            self._admit()
+        first = self.first_slot[robot]
+        last = self.first_slot[robot + 1] if robot + 1 < len(self.first_slot) else self.slots
+        if not 0 <= sensor_index < last - first:
+            raise IndexError(f"robot {robot} has {last - first} sensors, no sensor {sensor_index}")
+        return self._places[first + sensor_index]
+
+    def reading(self, robot: int, sensor_index: int) -> Reading:
+        """The last reading of a sensor: views into the batch, which the next `sense` overwrites."""
+        group, row = self.place(robot, sensor_index)
+        return Reading(float(group.times[row]), group.readings.row(row))
+
+    def _admit(self) -> None:
+        """Give the sensors that were added since their rows in the groups' arrays."""
+        for group in self.groups:
+            new = self._new.get(id(group))
+            if not new:
+                continue
+            robots, slots, entities, keys = zip(*new, strict=True)
+            group.robots = np.append(group.robots, np.array(robots, np.int64))
+            group.slots = np.append(group.slots, np.array(slots, np.int64))
+            group.entities = np.append(group.entities, np.array(entities, np.int64))
+            group.keys = np.append(group.keys, np.array(keys, np.uint64))
+            n = len(group.robots)
+            group.origins = np.concatenate([group.origins, np.zeros((len(new), 3))])
+            group.times = np.append(group.times, np.full(len(new), -1.0))
+            group.everybody = np.arange(n)
+            group.readings = group.readings.resized(n)
+        self._new.clear()

@@ -1,0 +1,85 @@
+"""What a sensor is given to sense with: which robots, where they stand, and the scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from .compiled import compiled
+from .grid import Floats, Ints
+from .scene import Scene
+
+
+@dataclass
+class Contacts:
+    """Where bodies touch something, in this tick."""
+
+    robots: Ints
+    """(k,) robot indices, as `Suite.add_robot` gave them."""
+    points: Floats
+    """(k, 2) metres, in the world."""
+
+    @classmethod
+    def none(cls) -> Contacts:
+        """Nobody touches anything."""
+        return cls(np.zeros(0, np.int64), np.zeros((0, 2)))
+
+
+@dataclass
+class View:
+    """One batch of equal sensors, at one tick.
+
+    Arrays have n rows, one per robot of the batch, as the readings do. Only `rows` are wanted;
+    a sensor may write the others too, at no use.
+    """
+
+    scene: Scene
+    rows: Ints
+    """(m,) the rows that are wanted."""
+    robots: Ints
+    """(n,) the robots' indices."""
+    entities: Ints
+    """(n,) the robots' entities in the scene: what a sensor does not see."""
+    origins: Floats
+    """(n, 3) where the sensors are and look, in the world: x, y, heading in radians. The rows
+    that are not wanted may be out of date."""
+    keys: npt.NDArray[np.uint64]
+    """(n,) the key of each sensor's own stream of noise: see `sensors.noise`."""
+    tick: int
+    time: float
+    """Simulated seconds."""
+    contacts: Contacts
+
+
+@compiled
+def mount_sensors(
+    poses: Floats,
+    entities: Ints,
+    rows: Ints,
+    mount: tuple[float, float, float],
+    origins: Floats,
+) -> None:
+    """Write into `origins` (n, 3) where sensors mounted on `entities` (n,) are, in the world."""
+    for j in rows:
+        heading = poses[entities[j], 2]
+        cos, sin = np.cos(heading), np.sin(heading)
+        origins[j, 0] = poses[entities[j], 0] + cos * mount[0] - sin * mount[1]
+        origins[j, 1] = poses[entities[j], 1] + sin * mount[0] + cos * mount[1]
+        origins[j, 2] = heading + mount[2]
+
+
+@compiled
+def place_elements(origins: Floats, rows: Ints, elements: Floats) -> Floats:
+    """Where elements (e, 3) of the sensors `rows` (m,) are, in the world: (m * e, 3)."""
+    places = np.empty((rows.shape[0] * elements.shape[0], 3))
+    k = 0
+    for j in rows:
+        cos, sin = np.cos(origins[j, 2]), np.sin(origins[j, 2])
+        for e in range(elements.shape[0]):
+            places[k, 0] = origins[j, 0] + cos * elements[e, 0] - sin * elements[e, 1]
+            places[k, 1] = origins[j, 1] + sin * elements[e, 0] + cos * elements[e, 1]
+            places[k, 2] = origins[j, 2] + elements[e, 2]
+            k += 1
+    return places

@@ -1,0 +1,1 @@
+"""The Stage half: worlds, bodies, clock, devices, processes, video."""

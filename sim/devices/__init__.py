@@ -1,0 +1,1 @@
+"""Robots' devices on Player's interfaces: what they publish, obey and answer."""

@@ -1,0 +1,117 @@
+"""Readings of many robots encoded together: one array of bytes per group of equal sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensors.readings import Elements, Intensities, Scans
+from sensors.suite import Group
+
+
+class Encoder:
+    """Encodes a group's wanted rows once per tick, when the first of them is asked for."""
+
+    def __init__(self, group: Group, encode: Callable[[Group], NDArray[Any]]) -> None:
+        self.group = group
+        self.encode = encode
+        self.tick = -1
+        self.size = 0
+        self.data = b""
+        self.place: dict[int, int] = {}
+
+    def payload(self, row: int, tick: int) -> bytes:
+        """The message of one row of the group."""
+        if tick != self.tick:
+            rows = self.encode(self.group)
+            self.size = rows.dtype.itemsize
+            self.data = rows.tobytes()
+            if len(self.place) != len(self.group.rows) or row not in self.place:
+                self.place = {int(r): k for k, r in enumerate(self.group.rows)}
+            self.tick = tick
+        at = self.place[row] * self.size
+        return self.data[at : at + self.size]
+
+
+class Encoders:
+    """The encoders of a run, by group and message."""
+
+    def __init__(self) -> None:
+        self.known: dict[tuple[int, str], Encoder] = {}
+        self.tick = 0
+
+    def get(self, group: Group, name: str) -> Encoder:
+        """The encoder of a group for one kind of message."""
+        key = (id(group), name)
+        if key not in self.known:
+            self.known[key] = Encoder(group, ENCODE[name])
+        return self.known[key]
+
+
+def encode_scans(group: Group) -> NDArray[Any]:
+    """laser SCAN (subtype 1)."""
+    scans: Any = group.readings
+    n = scans.ranges.shape[1]
+    rows = np.zeros(len(group.rows), scan_type(n))
+    rows["min_angle"] = -scans.fov / 2
+    rows["max_angle"] = scans.fov / 2
+    rows["resolution"] = scans.resolution
+    rows["max_range"] = scans.max_range
+    rows["counts"] = n
+    rows["ranges"] = scans.ranges[group.rows]
+    return rows
+
+
+def scan_type(n: int) -> np.dtype[Any]:
+    """The layout of a SCAN of n rays without intensities."""
+    return np.dtype(
+        [
+            ("min_angle", ">f4"),
+            ("max_angle", ">f4"),
+            ("resolution", ">f4"),
+            ("max_range", ">f4"),
+            ("counts", ">u4", 2),
+            ("ranges", ">f4", n),
+            ("intensities", ">u4", 2),
+            ("id", ">u4"),
+        ]
+    )
+
+
+def encode_array(values: NDArray[np.float64], kind: str) -> NDArray[Any]:
+    """Dynamic arrays, one per row: count, count, values."""
+    n = values.shape[1]
+    rows = np.zeros(len(values), np.dtype([("counts", ">u4", 2), ("values", kind, n)]))
+    rows["counts"] = n
+    rows["values"] = values
+    return rows
+
+
+def encode_ranges(group: Group) -> NDArray[Any]:
+    """ranger RANGE (subtype 1)."""
+    readings = group.readings
+    assert isinstance(readings, Scans | Elements | Intensities)
+    return encode_array(readings.ranges[group.rows], ">f8")
+
+
+def encode_intensities(group: Group) -> NDArray[Any]:
+    """ranger INTNS (subtype 3)."""
+    assert isinstance(group.readings, Intensities)
+    return encode_array(group.readings.intensities[group.rows], ">f8")
+
+
+def encode_sonar(group: Group) -> NDArray[Any]:
+    """sonar RANGES (subtype 1)."""
+    assert isinstance(group.readings, Elements)
+    return encode_array(group.readings.ranges[group.rows], ">f4")
+
+
+ENCODE: dict[str, Callable[[Group], NDArray[Any]]] = {
+    "scans": encode_scans,
+    "ranges": encode_ranges,
+    "intensities": encode_intensities,
+    "sonar": encode_sonar,
+}

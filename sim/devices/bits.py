@@ -1,0 +1,92 @@
+"""dio (a robot's sprayer), speech and graphics2d: what a robot does besides driving."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+
+from player import DeviceAddr
+from player.codes import Interface
+from sim.devices.device import Context, Drawing, Refused, Values
+
+MAX_SAID = 10_000
+"""Sentences kept of one robot."""
+MAX_DRAWINGS = 2_000
+"""Shapes kept of one robot: older ones go."""
+
+DIO = struct.Struct(">II")
+
+
+class Sprayer:
+    """A sprayer on Player's dio interface: bit 0 turns it on and off."""
+
+    def __init__(self, context: Context, robot: int, index: int) -> None:
+        self.context = context
+        self.robot = robot
+        self.index = index
+        self.addr = DeviceAddr(Interface.DIO, index)
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        on = self.context.spraying.get((self.robot, self.index), False)
+        return ((1, DIO.pack(1, int(on))),)
+
+    def command(self, name: str, values: Values) -> None:
+        if name != "values" or values["count"] < 1:
+            return
+        on = bool(values["bits"] & 1)
+        key = (self.robot, self.index)
+        self.context.later(self.robot, lambda: self.context.spraying.__setitem__(key, on))
+
+    def request(self, name: str, values: Values) -> Values | None:
+        raise Refused
+
+
+class Speech:
+    """What a robot says: kept with the time, shown in the video."""
+
+    def __init__(self, context: Context, robot: int) -> None:
+        self.context = context
+        self.robot = robot
+        self.addr = DeviceAddr(Interface.SPEECH, 0)
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        return ()
+
+    def command(self, name: str, values: Values) -> None:
+        said = self.context.records[self.robot].said
+        if name == "say" and len(said) < MAX_SAID:
+            said.append((self.context.time, values["text"]))
+
+    def request(self, name: str, values: Values) -> Values | None:
+        raise Refused
+
+
+class Graphics2d:
+    """Shapes that a program draws into the video, in its robot's frame."""
+
+    def __init__(self, context: Context, robot: int) -> None:
+        self.context = context
+        self.robot = robot
+        self.addr = DeviceAddr(Interface.GRAPHICS2D, 0)
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        return ()
+
+    def command(self, name: str, values: Values) -> None:
+        drawings = self.context.drawings.setdefault(self.robot, [])
+        if name == "clear":
+            drawings.clear()
+            return
+        fill = rgb(values["fill_color"]) if values.get("filled") else None
+        points = [(float(x), float(y)) for x, y in values["points"]]
+        drawings.append(Drawing(name, points, rgb(values["color"]), fill))
+        del drawings[:-MAX_DRAWINGS]
+
+    def request(self, name: str, values: Values) -> Values | None:
+        raise Refused
+
+
+def rgb(color: tuple[int, int, int, int]) -> int:
+    """Player's (alpha, red, green, blue) as 0xRRGGBB."""
+    _, red, green, blue = color
+    return red << 16 | green << 8 | blue

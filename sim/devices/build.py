@@ -1,0 +1,60 @@
+"""Which devices a robot has: its model's sensors and actuators on Player's interfaces."""
+
+from __future__ import annotations
+
+from sim.devices.batch import Encoders
+from sim.devices.bits import Graphics2d, Speech, Sprayer
+from sim.devices.device import Context, Device
+from sim.devices.position2d import Position2d, StateEncoder
+from sim.devices.ranging import Laser, Ranger, Sonar
+from sim.devices.seeing import AnalogInput, Blobfinder, Bumper, FiducialFinder
+from sim.devices.simulation import Simulation
+from sim.worldfile.schema import Model
+
+
+def robot_devices(
+    context: Context,
+    encoders: Encoders,
+    states: StateEncoder,
+    robot: int,
+    model: Model,
+    size: tuple[float, float, float],
+) -> list[Device]:
+    """A robot's devices, in the order in which they take their interface's indices.
+
+    `size` is the body's length, width and height in metres. A laser is served as a ranger too,
+    after the model's rangers, and a ranger of several elements as a sonar: old programs ask for
+    the one, newer ones for the other.
+    """
+    devices: list[Device] = []
+    twins: list[Device] = []
+    if model.drive is not None:
+        devices.append(Position2d(context, robot, states, size))
+    for slot in range(len(model.sensors)):
+        group, _ = context.suite.place(robot, slot)
+        if group.kind == "scan":
+            scanner = Laser if group.type.name != "ranger" else Ranger
+            devices.append(scanner(context, encoders, robot, slot))
+            if scanner is Laser:
+                twins.append(Ranger(context, encoders, robot, slot))
+        elif group.kind == "elements":
+            devices.append(Ranger(context, encoders, robot, slot))
+            twins.append(Sonar(context, encoders, robot, slot))
+        elif group.kind == "intensities":
+            devices.append(Ranger(context, encoders, robot, slot))
+        elif group.kind == "blobs":
+            devices.append(Blobfinder(context, robot, slot))
+        elif group.kind == "fiducials":
+            devices.append(FiducialFinder(context, robot, slot))
+        elif group.kind == "bits":
+            devices.append(Bumper(context, robot, slot))
+        else:
+            devices.append(AnalogInput(context, robot, slot))
+    devices += twins
+    devices += [Sprayer(context, robot, index) for index in range(len(model.actuators))]
+    devices += [
+        Speech(context, robot),
+        Graphics2d(context, robot),
+        Simulation(context, robot, model.simulation == "full"),
+    ]
+    return devices

@@ -1,0 +1,109 @@
+"""What a device is, and what devices may use of the simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from player import DeviceAddr
+from sensors.odometry import Odometry
+from sensors.suite import Suite
+from sim.result import RobotRecord
+from sim.stage.floor import FloorPaint
+from sim.stage.stage import Stage
+from sim.worldfile.schema import Model
+
+Values = Mapping[str, Any]
+
+
+class Refused(Exception):
+    """A request that the device does not grant: its client gets a NACK."""
+
+
+@dataclass
+class Drawing:
+    """A shape of graphics2d; points (k, 2) in metres in the robot's frame, colours 0xRRGGBB."""
+
+    kind: str
+    points: list[tuple[float, float]]
+    color: int
+    fill_color: int | None = None
+
+
+@dataclass
+class Context:
+    """The parts of a run that devices read and change.
+
+    Reading is free at any time between two ticks; every change goes through `later`, so that it
+    is made in the engine's order and not in that of the messages' arrival.
+    """
+
+    stage: Stage
+    suite: Suite
+    odometry: Odometry
+    floor: FloorPaint
+    interval: float
+    put: Callable[[int, tuple[float, float, float]], None]  # a robot to a pose in the world
+    repaint: Callable[[int, int], None]  # a robot's body in another colour
+    models: list[Model] = field(default_factory=list)  # by robot
+    records: list[RobotRecord] = field(default_factory=list)
+    robots: dict[str, int] = field(default_factory=dict)
+    time: float = 0.0
+    paused: bool = False
+    pending: dict[int, list[Callable[[], None]]] = field(default_factory=dict)
+    twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    spraying: dict[tuple[int, int], bool] = field(default_factory=dict)  # (robot, sprayer)
+    drawings: dict[int, list[Drawing]] = field(default_factory=dict)
+    colors: list[int] = field(default_factory=list)
+    resets: int = 0  # how often `reset` was asked for and is to be carried out
+
+    def later(self, robot: int, action: Callable[[], None]) -> None:
+        """Have `action` called at the next command phase, in the order of robots."""
+        self.pending.setdefault(robot, []).append(action)
+
+    def carry_out(self) -> None:
+        """Call what `later` was given, robot by robot, each in the order of arrival."""
+        while self.pending:
+            pending, self.pending = self.pending, {}
+            for robot in sorted(pending):
+                for action in pending[robot]:
+                    action()
+        if self.twists:
+            robots = np.array(list(self.twists), np.int64)
+            self.stage.command(robots, np.array(list(self.twists.values())))
+            self.twists.clear()
+
+    def drive(self, robot: int, twist: tuple[float, float, float]) -> None:
+        """Within an action: a velocity, in place of whatever was commanded before it."""
+        self.twists[robot] = twist
+
+    def undrive(self, robot: int) -> None:
+        """Within an action: another kind of command follows in place of a velocity."""
+        self.twists.pop(robot, None)
+
+
+class Device(Protocol):
+    """One device of one robot."""
+
+    addr: DeviceAddr
+    robot: int
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        """This tick's data: subtypes and encoded payloads. Called for subscribed devices only."""
+        ...
+
+    def command(self, name: str, values: Values) -> None:
+        """Obey a command; commands that a device does not know are passed over, as in Player."""
+        ...
+
+    def request(self, name: str, values: Values) -> Values | None:
+        """Answer a request: the fields of its ACK, None for an empty one. Raises Refused."""
+        ...
+
+
+def flat_pose(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> tuple[float, ...]:
+    """A planar pose as Player's pose3d: x, y, z, roll, pitch, yaw."""
+    return (x, y, 0.0, 0.0, 0.0, yaw)

@@ -1,0 +1,141 @@
+"""position2d: odometry out, velocities and goals in."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from player import DeviceAddr
+from player.codes import Interface
+from sim.devices.device import Context, Refused, Values, flat_pose
+
+STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
+
+Pose = tuple[float, float, float]
+
+
+class StateEncoder:
+    """The state messages of all robots, encoded together once per tick."""
+
+    def __init__(self) -> None:
+        self.rows: NDArray[Any] = np.zeros(0, STATE)
+        self.data = b""
+
+    def update(
+        self,
+        poses: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+        stalls: NDArray[np.bool_],
+    ) -> None:
+        """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
+        if len(self.rows) != len(poses):
+            self.rows = np.zeros(len(poses), STATE)
+        self.rows["pose"] = poses
+        self.rows["velocity"] = velocities
+        self.rows["stall"] = stalls
+        self.data = self.rows.tobytes()
+
+    def payload(self, robot: int) -> bytes:
+        """Robot's message."""
+        return self.data[robot * STATE.itemsize : (robot + 1) * STATE.itemsize]
+
+
+def compose(a: Pose, b: Pose) -> Pose:
+    """Pose `b`, given in the frame of `a`, in the frame that `a` is given in."""
+    cos, sin = math.cos(a[2]), math.sin(a[2])
+    return (a[0] + cos * b[0] - sin * b[1], a[1] + sin * b[0] + cos * b[1], a[2] + b[2])
+
+
+def invert(a: Pose) -> Pose:
+    """The pose of the frame that `a` is given in, in the frame of `a`."""
+    cos, sin = math.cos(a[2]), math.sin(a[2])
+    return (-cos * a[0] - sin * a[1], sin * a[0] - cos * a[1], -a[2])
+
+
+def numbers(values: Values) -> Iterator[float]:
+    """All numbers of a command."""
+    for value in values.values():
+        if isinstance(value, tuple):
+            yield from value
+        else:
+            yield value
+
+
+class Position2d:
+    """A robot's drive and odometry."""
+
+    def __init__(
+        self, context: Context, robot: int, states: StateEncoder, size: tuple[float, float, float]
+    ) -> None:
+        self.context = context
+        self.robot = robot
+        self.states = states
+        self.size = size
+        self.addr = DeviceAddr(Interface.POSITION2D, 0)
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        return ((1, self.states.payload(self.robot)),)
+
+    def command(self, name: str, values: Values) -> None:
+        robot, later = self.robot, self.context.later
+        if not all(map(math.isfinite, numbers(values))):
+            return  # no drive can obey it
+        if name == "velocity":
+            twist = values["vel"]
+            later(robot, lambda: self.context.drive(robot, twist))
+        elif name == "position":
+            later(robot, lambda: self.go_to(values))
+        elif name == "car":
+            later(robot, lambda: self.steer(values))
+        elif name == "velocity_heading":
+            later(robot, lambda: self.head(values))
+
+    def go_to(self, values: Values) -> None:
+        goal, speed = self.to_world(values["pos"]), values["vel"]
+        with contextlib.suppress(ValueError):  # not for cars
+            self.context.stage.command_position(self.robot, goal, abs(speed[0]), abs(speed[2]))
+            self.context.undrive(self.robot)
+
+    def steer(self, values: Values) -> None:
+        with contextlib.suppress(ValueError):  # for cars only
+            self.context.stage.command_car(self.robot, values["velocity"], values["angle"])
+            self.context.undrive(self.robot)
+
+    def head(self, values: Values) -> None:
+        yaw = self.to_world((0.0, 0.0, values["heading"]))[2]
+        with contextlib.suppress(ValueError):  # not for cars
+            self.context.stage.command_heading(self.robot, values["velocity"], yaw)
+            self.context.undrive(self.robot)
+
+    def request(self, name: str, values: Values) -> Values | None:
+        context, robot = self.context, self.robot
+        if name == "geometry":
+            length, width, height = self.size
+            return {"pose": flat_pose(), "size": (width, length, height)}
+        if name == "motor_power":
+            on = bool(values["state"])
+            context.later(robot, lambda: context.stage.motors(robot, on))
+            return None
+        if name == "position_mode":
+            return None  # velocity or position: each command says itself which it is
+        if name == "set_odometry":
+            pose = values["pose"]
+            if not all(map(math.isfinite, pose)):
+                raise Refused
+            context.later(robot, lambda: context.odometry.set_odometry(robot, pose))
+            return None
+        if name == "reset_odometry":
+            context.later(robot, lambda: context.odometry.set_odometry(robot, (0.0, 0.0, 0.0)))
+            return None
+        raise Refused
+
+    def to_world(self, pose: Pose) -> Pose:
+        """A pose in the odometry's frame, in the world's, as the last tick's odometry tells."""
+        x, y, yaw = map(float, self.context.stage.poses[self.robot])
+        reported = tuple(map(float, self.context.odometry.poses[self.robot]))
+        return compose((x, y, yaw), compose(invert((reported[0], reported[1], reported[2])), pose))

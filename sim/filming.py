@@ -1,0 +1,133 @@
+"""The video of a run: what the engine knows, put into frames when one is due."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sensors.readings import Scans
+from sim.stage.geometry import outline, placed
+from sim.video.view import Backdrop, Drawing, FrameView, Scan
+
+if TYPE_CHECKING:
+    from sim.engine import Engine
+    from sim.stage.layout import Layout
+    from sim.video.recorder import Recorder
+    from sim.worldfile import LoadedWorld
+
+MAX_FANS = 40
+"""Robots whose lasers are drawn: more fans than that hide everything else."""
+
+
+def open_recorder(
+    path: Path,
+    loaded: LoadedWorld,
+    *,
+    fps: float | None = None,
+    speed: float | None = None,
+    size: tuple[int, int] | None = None,
+) -> Recorder:
+    """Open the video before the run starts; raises VideoError where that cannot be."""
+    from sim.video.recorder import FPS, SPEED, Recorder  # noqa: PLC0415 - loads OpenCV
+
+    backdrop = backdrop_of(loaded.layout, loaded.world.name or loaded.path.stem)
+    return Recorder(path, backdrop, fps=fps or FPS, speed=speed or SPEED, size=size)
+
+
+def backdrop_of(layout: Layout, title: str) -> Backdrop:
+    """What never moves."""
+    return Backdrop(
+        size=layout.size,
+        solids=[(solid.vertices, solid.color) for solid in layout.solids],
+        doors=[door.rectangle for door in layout.doors],
+        title=title,
+    )
+
+
+class Film:
+    """Hands the recorder a view of the engine whenever a frame is due."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self.recorder = recorder
+        self.robots = 0
+        self.movables: list[tuple[Any, int]] | None = None
+
+    def each_tick(self, engine: Engine) -> None:
+        """Draw a frame if one is due."""
+        if self.recorder.wants(engine.time):
+            self.recorder.frame(self.view(engine))
+
+    def finish(self, engine: Engine | None) -> None:
+        """The last frame shows how the run ended; then the file is completed."""
+        if engine is not None and engine.ticks:
+            self.recorder.frame(self.view(engine), last=True)
+        self.recorder.close()
+
+    def view(self, engine: Engine) -> FrameView:
+        """The moment that the engine is at."""
+        scenery, context = engine.scenery, engine.context
+        for record in context.records[self.robots :]:
+            body = engine.loaded.world.models[record.model].body
+            shape = body.radius if body.shape == "circle" else outline(body)
+            self.recorder.add_robot(record.name, shape)
+        self.robots = len(context.records)
+        if self.movables is None:
+            self.movables = [
+                (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
+                for m in engine.loaded.layout.movables
+            ]
+        paints = bool(engine.sprayers.mounts)
+        return FrameView(
+            time=engine.time,
+            poses=scenery.stage.poses,
+            colors=np.array(context.colors, np.int64),
+            coverage=scenery.floor.coverage if paints else None,
+            said=[record.said[-1][1] if record.said else "" for record in context.records],
+            scans=self.scans(engine),
+            floor=scenery.floor.owner if paints else None,
+            resolution=scenery.floor.resolution,
+            movables=self.movables,
+            movable_poses=scenery.stage.movable_poses,
+            drawings=self.drawings(engine),
+        )
+
+    def scans(self, engine: Engine) -> list[Scan]:
+        """The fans of the lasers that somebody reads."""
+        fans: list[Scan] = []
+        for group in engine.scenery.suite.groups:
+            readings = group.readings
+            if not isinstance(readings, Scans) or len(group.rows) > MAX_FANS:
+                continue
+            for row in group.rows:
+                fans.append(
+                    Scan(
+                        int(group.robots[row]),
+                        group.origins[row],
+                        readings.fov,
+                        readings.ranges[row],
+                    )
+                )
+        return fans
+
+    def drawings(self, engine: Engine) -> list[Drawing]:
+        """What programs have drawn, in world coordinates."""
+        drawn: list[Drawing] = []
+        for robot, shapes in engine.context.drawings.items():
+            pose = engine.scenery.stage.poses[robot]
+            for shape in shapes:
+                points = np.array(shape.points, float).reshape(-1, 2)
+                if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e6:
+                    continue
+                drawn.append(
+                    Drawing(
+                        shape.kind,  # type: ignore[arg-type]
+                        placed(points, pose),
+                        shape.color,
+                        shape.fill_color is not None,
+                        shape.fill_color,
+                    )
+                )
+        return drawn
+

@@ -1,0 +1,1 @@
+"""Controller processes: their start, their output, their end."""

@@ -1,0 +1,230 @@
+"""The controllers' processes as the simulator sees them: start, output, end."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import resource
+import signal
+import socket
+import struct
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from sim.fleet.output import Output
+
+Watch = Callable[[Any, Callable[[], None]], None]
+Unwatch = Callable[[Any], None]
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+"""The folder that holds our packages: a checkout's, or site-packages."""
+
+
+@dataclass(frozen=True)
+class Launch:
+    """What to run: one of our modules, a Python file, or any executable."""
+
+    kind: Literal["module", "script", "exec"]
+    target: str
+    argv: tuple[str, ...] = ()
+
+
+class FleetError(Exception):
+    """The fork server cannot be started or has died."""
+
+
+class Fleet:
+    """The fork server and its children.
+
+    `watch(fileobj, callback)` and `unwatch(fileobj)` hook the fleet's pipes into the loop that the
+    simulator waits in; `show(line)` is given every line that a controller prints.
+    """
+
+    def __init__(self, show: Callable[[str], None] | None = None) -> None:
+        raise_descriptor_limit()
+        self.show = show
+        self.ended: dict[int, int] = {}
+        self.pids: dict[int, int] = {}
+        self.outputs: dict[int, Output] = {}
+        self.starting: set[int] = set()
+        self.lost = False
+        self.pending = b""
+        self.watch: Watch | None = None
+        self.unwatch: Unwatch | None = None
+        ours, theirs = socket.socketpair()
+        self.control = ours
+        environment = dict(
+            os.environ,
+            PYTHONHASHSEED="0",
+            OPENBLAS_NUM_THREADS="1",  # one thread: a fork copies no other
+            OMP_NUM_THREADS="1",
+            MKL_NUM_THREADS="1",
+        )
+        script = Path(__file__).with_name("forkserver.py")
+        # -P: the folder of the script must not become a place to import from
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", str(script), str(theirs.fileno()), str(ROOT)],
+            pass_fds=[theirs.fileno()],
+            stdin=subprocess.DEVNULL,
+            env=environment,
+        )
+        theirs.close()
+
+    def attach(self, watch: Watch, unwatch: Unwatch) -> None:
+        """From now on the fleet's news arrive through the simulator's loop."""
+        self.watch, self.unwatch = watch, unwatch
+        self.control.setblocking(False)
+        watch(self.control, self.read)
+
+    def start(
+        self,
+        key: int,
+        name: str,
+        launch: Launch,
+        environment: Mapping[str, str],
+        connection: socket.socket | None,
+    ) -> None:
+        """Start the process of controller `key`; `connection` becomes its PLAYER_FD."""
+        read_end, write_end = os.pipe()
+        output = Output(read_end, name, self.show)
+        self.outputs[key] = output
+        descriptors = [write_end] + ([connection.fileno()] if connection else [])
+        message = {
+            "op": "start",
+            "id": key,
+            "kind": launch.kind,
+            "target": launch.target,
+            "argv": list(launch.argv),
+            "env": dict(environment),
+            "root": str(ROOT),
+            "descriptors": len(descriptors),
+        }
+        self.starting.add(key)
+        try:
+            self.send(message, descriptors)
+        finally:
+            os.close(write_end)
+            if connection is not None:
+                connection.close()
+        if self.watch is not None:
+            self.watch(read_end, lambda: self.read_output(output))
+
+    def send(self, message: dict[str, Any], descriptors: list[int]) -> None:
+        text = json.dumps(message).encode()
+        data = struct.pack(">I", len(text)) + text
+        self.control.setblocking(True)
+        try:
+            sent = socket.send_fds(self.control, [data], descriptors) if descriptors else 0
+            self.control.sendall(data[sent:])
+        except OSError:
+            self.lose()
+        finally:
+            self.control.setblocking(False)
+
+    def read(self) -> None:
+        """Take the fork server's news."""
+        while not self.lost:
+            try:
+                data = self.control.recv(65536)
+            except BlockingIOError:
+                break
+            except ConnectionError:
+                data = b""
+            if not data:
+                self.lose()
+                break
+            self.pending += data
+        while len(self.pending) >= 4:
+            (length,) = struct.unpack(">I", self.pending[:4])
+            if len(self.pending) < 4 + length:
+                break
+            message = json.loads(self.pending[4 : 4 + length])
+            self.pending = self.pending[4 + length :]
+            key = message["id"]
+            self.starting.discard(key)
+            if message["op"] == "started":
+                self.pids[key] = message["pid"]
+            else:
+                self.end(key, message["code"])
+
+    def read_output(self, output: Output) -> None:
+        if output.is_open and self.unwatch is not None:
+            descriptor = output.descriptor
+            if not output.read():
+                self.unwatch(descriptor)
+
+    def end(self, key: int, code: int) -> None:
+        """Controller `key`'s process has ended."""
+        self.pids.pop(key, None)
+        self.starting.discard(key)
+        output = self.outputs[key]
+        if output.is_open:
+            if self.unwatch is not None:
+                self.unwatch(output.descriptor)
+            output.drain()
+            output.finish()
+        self.ended[key] = code
+
+    def lose(self) -> None:
+        """The fork server has died: its children are dead or are killed now."""
+        if self.lost:
+            return
+        self.lost = True
+        if self.unwatch is not None:
+            self.unwatch(self.control)
+        for key, pid in list(self.pids.items()):
+            kill_group(pid)
+            self.end(key, -signal.SIGKILL)
+        for key in list(self.starting):
+            self.end(key, -signal.SIGKILL)
+
+    def take_ended(self) -> dict[int, int]:
+        """Exit codes of the processes that ended since the last call."""
+        ended, self.ended = self.ended, {}
+        return ended
+
+    def kill(self, key: int) -> None:
+        """End controller `key` and what it has started."""
+        if not self.lost:
+            self.send({"op": "kill", "id": key}, [])
+
+    def close(self) -> None:
+        """End whatever still runs; afterwards no process of the fleet is left."""
+        if not self.lost and self.unwatch is not None:
+            self.unwatch(self.control)
+        self.control.close()  # the fork server kills all its children when it sees this
+        for output in self.outputs.values():
+            if output.is_open:
+                if self.unwatch is not None:
+                    self.unwatch(output.descriptor)
+                output.drain()
+                output.finish()
+        try:
+            self.process.wait(timeout=2)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+            for pid in self.pids.values():
+                kill_group(pid)
+        self.pids.clear()
+
+
+def kill_group(pid: int) -> None:
+    """Kill a process and its group."""
+    for kill in (os.killpg, os.kill):
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            kill(pid, signal.SIGKILL)
+
+
+def raise_descriptor_limit() -> None:
+    """Each controller needs two descriptors; the usual soft limit of 1024 is too few for 1000."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = 65536 if hard == resource.RLIM_INFINITY else min(hard, 65536)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        with contextlib.suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))

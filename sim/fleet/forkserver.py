@@ -1,0 +1,292 @@
+"""The fork server: a process of one thread that forks one process per controller.
+
+It is run as a script by exec, so it never shares a thread or a lock with the simulator. It loads
+numpy and `player` once, and nothing of the simulator; a child that it forks therefore starts within
+milliseconds. The simulator asks through a socket (its number is the only argument): each message is
+a length (4 bytes, big-endian) and JSON, with the child's socket and output pipe as file descriptors
+beside it.
+
+    start  {"op": "start", "id": 3, "kind": "module"|"script"|"exec", "target": ..., "argv": [...],
+            "env": {...}, "root": ...} + descriptors [output] or [output, connection]
+    kill   {"op": "kill", "id": 3}
+
+It answers `{"op": "ended", "id": 3, "code": 0}` when a child's process has ended (a negative code is
+a signal's number). When the simulator goes away, however it dies, the socket reaches its end, and
+the fork server kills every child and all that the children started, and ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import gc
+import json
+import os
+import select
+import signal
+import socket
+import struct
+import sys
+from typing import Any, NoReturn
+
+PR_SET_PDEATHSIG = 1
+PR_SET_CHILD_SUBREAPER = 36
+
+
+def prctl(option: int, value: int) -> None:
+    """Linux's prctl(2); does nothing elsewhere."""
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)
+
+
+class ForkServer:
+    """The children, by the simulator's numbers and by process id."""
+
+    def __init__(self, control: socket.socket) -> None:
+        self.control = control
+        self.pending = b""
+        self.descriptors: list[int] = []
+        self.outbox = b""
+        self.pid_of: dict[int, int] = {}
+        self.id_of: dict[int, int] = {}
+        self.wake_read, self.wake_write = os.pipe()
+        for end in (self.wake_read, self.wake_write):
+            os.set_blocking(end, False)
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+        signal.set_wakeup_fd(self.wake_write, warn_on_full_buffer=False)
+
+    def serve(self) -> None:
+        """Obey the simulator until it goes away."""
+        self.control.setblocking(False)
+        poll = select.poll()  # not select(): a descriptor may be larger than 1023
+        poll.register(self.wake_read, select.POLLIN)
+        while True:
+            poll.register(
+                self.control, select.POLLIN | (select.POLLOUT if self.outbox else 0)
+            )
+            ready = dict(poll.poll())
+            if self.wake_read in ready:
+                with contextlib.suppress(BlockingIOError):
+                    os.read(self.wake_read, 4096)
+                self.reap()
+            if ready.get(self.control.fileno(), 0) & ~select.POLLOUT and not self.read():
+                return
+            self.write()
+
+    def read(self) -> bool:
+        """Take what the simulator says; False when it has gone away."""
+        while True:
+            try:
+                data, descriptors, _, _ = socket.recv_fds(self.control, 65536, 64)
+            except BlockingIOError:
+                return True
+            except ConnectionError:
+                return False
+            if not data:
+                return False
+            self.pending += data
+            self.descriptors += descriptors
+            while len(self.pending) >= 4:
+                (length,) = struct.unpack(">I", self.pending[:4])
+                if len(self.pending) < 4 + length:
+                    break
+                message = json.loads(self.pending[4 : 4 + length])
+                self.pending = self.pending[4 + length :]
+                self.obey(message)
+
+    def obey(self, message: dict[str, Any]) -> None:
+        if message["op"] == "start":
+            count = message["descriptors"]
+            passed, self.descriptors = self.descriptors[:count], self.descriptors[count:]
+            self.start(message, passed)
+        elif message["op"] == "kill" and message["id"] in self.pid_of:
+            kill_group(self.pid_of[message["id"]])
+
+    def start(self, message: dict[str, Any], passed: list[int]) -> None:
+        try:
+            pid = os.fork()
+        except OSError as error:
+            os.write(passed[0], f"cannot start a process: {error}\n".encode())
+            self.say({"op": "ended", "id": message["id"], "code": 1})
+        else:
+            if pid == 0:
+                self.become(message, passed)
+            self.pid_of[message["id"]] = pid
+            self.id_of[pid] = message["id"]
+            self.say({"op": "started", "id": message["id"], "pid": pid})
+        for descriptor in passed:
+            os.close(descriptor)
+
+    def become(self, message: dict[str, Any], passed: list[int]) -> NoReturn:
+        """In the child: shed the server, then run the program."""
+        code = 1
+        try:
+            signal.set_wakeup_fd(-1)
+            signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+            signal.signal(signal.SIGHUP, signal.SIG_DFL)
+            server = os.getppid()
+            prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+            if os.getppid() != server:
+                os._exit(1)
+            os.setsid()
+            self.control.close()
+            os.close(self.wake_read)
+            os.close(self.wake_write)
+            silence = os.open(os.devnull, os.O_RDONLY)
+            os.dup2(silence, 0)
+            os.dup2(passed[0], 1)
+            os.dup2(passed[0], 2)
+            os.close(silence)
+            os.close(passed[0])
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            os.environ.update(message["env"])
+            if len(passed) > 1:
+                os.set_inheritable(passed[1], True)
+                os.environ["PLAYER_FD"] = str(passed[1])
+            code = run_program(message)
+        except BaseException:
+            import traceback  # noqa: PLC0415
+
+            traceback.print_exc()
+        finally:
+            with contextlib.suppress(BaseException):
+                sys.stdout.flush()
+                sys.stderr.flush()
+            os._exit(code)
+
+    def reap(self) -> None:
+        """Tell the simulator which children have ended."""
+        while True:
+            try:
+                pid, status = os.waitpid(-1, os.WNOHANG)
+            except ChildProcessError:
+                return
+            if pid == 0:
+                return
+            number = self.id_of.pop(pid, None)
+            if number is not None:  # else: an orphan of a controller's, adopted
+                del self.pid_of[number]
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.killpg(pid, signal.SIGKILL)  # what it started and left behind
+                self.say({"op": "ended", "id": number, "code": os.waitstatus_to_exitcode(status)})
+
+    def say(self, message: dict[str, Any]) -> None:
+        text = json.dumps(message).encode()
+        self.outbox += struct.pack(">I", len(text)) + text
+        self.write()
+
+    def write(self) -> None:
+        while self.outbox:
+            try:
+                sent = self.control.send(self.outbox)
+            except BlockingIOError:
+                return
+            except OSError:
+                self.outbox = b""
+                return
+            self.outbox = self.outbox[sent:]
+
+    def end_all(self) -> None:
+        """Kill every child and, where the system tells, all that the children started."""
+        for pid in list(self.id_of):
+            kill_group(pid)
+        for _ in range(100):  # an orphan may fork while it is looked for
+            orphans = children_of(os.getpid())
+            for pid in orphans:
+                kill_group(pid)
+            if not orphans:
+                return
+            with contextlib.suppress(ChildProcessError):
+                os.waitpid(-1, 0)
+
+
+def kill_group(pid: int) -> None:
+    """Kill a process and its group."""
+    for kill in (os.killpg, os.kill):
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            kill(pid, signal.SIGKILL)
+
+
+def children_of(pid: int) -> list[int]:
+    """The processes that `pid` is the parent of (Linux; elsewhere none are known)."""
+    try:
+        with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+            return [int(word) for word in file.read().split()]
+    except OSError:
+        return []
+
+
+def run_program(message: dict[str, Any]) -> int:
+    """Run what was asked for, in this process; the exit code."""
+    import atexit  # noqa: PLC0415
+    import runpy  # noqa: PLC0415
+    import threading  # noqa: PLC0415
+    import traceback  # noqa: PLC0415
+
+    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stdout = open(1, "w", encoding="utf-8", errors="replace", buffering=1, closefd=False)
+    sys.stderr = open(  # noqa: SIM115
+        2, "w", encoding="utf-8", errors="backslashreplace", buffering=1, closefd=False
+    )
+    target, argv = message["target"], message["argv"]
+    if message["kind"] == "exec":
+        try:
+            os.execvp(target, [target, *argv])
+        except OSError as error:
+            print(f"cannot run {target}: {error.strerror}", file=sys.stderr)
+            return 127
+    code = 0
+    try:
+        if message["kind"] == "module":
+            sys.path.insert(0, message["root"])
+            sys.argv = [target, *argv]
+            runpy.run_module(target, run_name="__main__", alter_sys=True)
+        else:
+            sys.path.insert(0, os.path.dirname(target))
+            sys.argv = [target, *argv]
+            runpy.run_path(target, run_name="__main__")
+    except SystemExit as end:
+        if isinstance(end.code, int) or end.code is None:
+            code = end.code or 0
+        else:
+            print(end.code, file=sys.stderr)
+            code = 1
+    except BaseException as error:
+        # what runpy and this file add to a traceback is of no use to its reader
+        frames = traceback.extract_tb(error.__traceback__)
+        keep = [f for f in frames if f.filename != __file__ and "runpy" not in f.filename]
+        print("Traceback (most recent call last):", file=sys.stderr)
+        sys.stderr.write("".join(traceback.format_list(keep)))
+        sys.stderr.write("".join(traceback.format_exception_only(error)))
+        code = 1
+    with contextlib.suppress(BaseException):
+        threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, as an exit does
+        atexit._run_exitfuncs()
+    return code
+
+
+def main() -> None:
+    """Serve on the socket whose descriptor is the first argument."""
+    control = socket.socket(fileno=int(sys.argv[1]))
+    prctl(PR_SET_CHILD_SUBREAPER, 1)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # the simulator decides, by closing the socket
+    sys.path.insert(0, sys.argv[2])
+    import numpy.random  # noqa: F401, PLC0415
+
+    import player  # noqa: F401, PLC0415
+
+    sys.path.pop(0)
+    gc.collect()
+    gc.freeze()  # the children share these pages for as long as nobody touches them
+    server = ForkServer(control)
+    try:
+        server.serve()
+    finally:
+        server.end_all()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,36 @@
+"""Holding a run to the wall clock, for programs and people that live in real time."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+
+class Pace:
+    """Simulated seconds per wall-clock second; `factor` None runs flat out."""
+
+    def __init__(self, factor: float | None) -> None:
+        self.factor = factor
+        self.origin = 0.0
+
+    def begin(self, time: float = 0.0) -> None:
+        """Simulated time `time` is now."""
+        if self.factor:
+            self.origin = monotonic() - time / self.factor
+
+    def follow(self, factor: float, time: float) -> None:
+        """Change the factor at simulated time `time`."""
+        self.factor = factor
+        self.begin(time)
+
+    def ahead(self, time: float) -> float:
+        """Wall-clock seconds by which simulated time `time` is early.
+
+        A run that has fallen behind by more than a second does not rush to catch up.
+        """
+        if not self.factor:
+            return 0.0
+        early = self.origin + time / self.factor - monotonic()
+        if early < -1.0:
+            self.begin(time)
+            return 0.0
+        return early

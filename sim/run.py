@@ -1,0 +1,95 @@
+"""One run of one world, from the file to the result."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.engine import Engine, Settings
+from sim.fleet.fleet import Fleet
+from sim.result import Result
+from sim.worldfile import LoadedWorld
+
+if TYPE_CHECKING:
+    from sim.filming import Film
+
+EachTick = Callable[[Engine], None]
+
+
+def run_world(
+    loaded: LoadedWorld,
+    settings: Settings,
+    *,
+    fleet: Fleet | None = None,
+    film: Film | None = None,
+    each_tick: EachTick | None = None,
+    say: Callable[[str], None] = lambda line: None,
+) -> Result:
+    """Run a world to its end.
+
+    `fleet` may have been started early, so that it gets ready while the world is read. `film`
+    makes a video. `each_tick(engine)` is called after every tick. `say(line)` is given what is
+    meant for people. SIGINT and SIGTERM end the run in an orderly way: the result so far comes
+    back with the outcome `interrupted`.
+    """
+    fleet = fleet or Fleet(show=say)
+    engine: Engine | None = None
+    watchers = [watch for watch in (film.each_tick if film else None, each_tick) if watch]
+
+    def after_tick(engine: Engine) -> None:
+        for watch in watchers:
+            watch(engine)
+
+    try:
+        engine = Engine(loaded, settings, fleet, say)
+        with interruptible(engine):
+            return engine.run(after_tick if watchers else None)
+    finally:
+        if engine is None:
+            fleet.close()
+        if film is not None:
+            film.finish(engine)
+
+
+@contextlib.contextmanager
+def interruptible(engine: Engine) -> Iterator[None]:
+    """Turn SIGINT and SIGTERM into an orderly end; a second one ends at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    reading, writing = socket.socketpair()
+    for end in (reading, writing):
+        end.setblocking(False)
+
+    def interrupt(number: int, frame: object) -> None:
+        if engine.crew.interrupted:
+            raise KeyboardInterrupt
+        engine.crew.interrupted = True
+
+    def drain() -> None:
+        with contextlib.suppress(BlockingIOError):
+            reading.recv(4096)
+
+    engine.server.watch(reading, drain)
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    wakeup = signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(wakeup)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        reading.close()
+        writing.close()
+
+
+def world_label(path: Path) -> str:
+    """How a result names its world: relative to the current folder where that is shorter."""
+    with contextlib.suppress(ValueError):
+        return str(path.resolve().relative_to(Path.cwd()))
+    return str(path)

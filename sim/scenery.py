@@ -1,0 +1,97 @@
+"""The physical world of a run: stage, scene, sensors, odometry and floor, joined by robot index."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensors.odometry import Odometry
+from sensors.scene import Scene
+from sensors.suite import Suite
+from sensors.view import Contacts
+from sim.stage.floor import FloorPaint
+from sim.stage.geometry import outline
+from sim.stage.stage import Stage
+from sim.worldfile import LoadedWorld
+from sim.worldfile.schema import Model
+
+Floats = NDArray[np.float64]
+
+
+class Scenery:
+    """All that moves, is seen and is painted. Robots keep the index at which they entered."""
+
+    def __init__(self, loaded: LoadedWorld, seed: int) -> None:
+        world, layout = loaded.world, loaded.layout
+        self.stage = Stage(layout, world.models, world.clock)
+        self.scene = Scene()
+        self.suite = Suite(self.scene, seed)
+        self.odometry = Odometry(seed)
+        self.floor = FloorPaint(layout, world.floor.resolution)
+        self.start_poses: Floats = loaded.place(seed)
+        self.entities: NDArray[np.int64] = np.zeros(0, np.int64)  # by robot
+        self.add_walls(layout)
+        self.movables = np.array(
+            [
+                self.add_body(movable.body, movable.color, movable.height, 0, movable.pose)
+                for movable in layout.movables
+            ],
+            np.int64,
+        )
+
+    def add_walls(self, layout: Any) -> None:
+        """One entity for the walls of each colour and height."""
+        looks = list(zip(layout.segment_colors, layout.segment_heights, strict=True))
+        for color, height in dict.fromkeys(looks):
+            entity = self.scene.add_entity(color=int(color), height=float(height))
+            same = (layout.segment_colors == color) & (layout.segment_heights == height)
+            self.scene.add_segments(entity, layout.segments[same])
+
+    def add_body(self, body: Any, color: int, height: float, fiducial: int, pose: Any) -> int:
+        """A body that sensors see; its entity."""
+        entity = self.scene.add_entity(
+            color=color, height=height, fiducial=fiducial, pose=tuple(map(float, pose))
+        )
+        if body.shape == "circle":
+            self.scene.add_circle(entity, body.radius)
+        else:
+            self.scene.add_polygon(entity, outline(body))
+        return entity
+
+    def add_robot(self, name: str, model_name: str, model: Model, pose: Floats) -> int:
+        """A robot enters: its body, what others see of it, its sensors and odometry."""
+        robot = self.stage.add_robot(name, model_name, pose)
+        body = model.body
+        entity = self.add_body(body, body.color, body.height, model.fiducial or 0, pose)
+        self.entities = np.append(self.entities, entity)
+        noise = model.odometry_noise
+        self.suite.add_robot(entity, name, model.sensors)
+        self.odometry.add_robot(
+            name,
+            tuple(map(float, pose)),
+            gps=model.localization == "gps",
+            slip=noise.slip if noise else 0.0,
+            turn=noise.turn if noise else 0.0,
+        )
+        return robot
+
+    def refresh(self) -> None:
+        """Bring what can be seen and felt up to date with the bodies."""
+        if len(self.entities):
+            self.scene.move(self.entities, self.stage.poses)
+        if len(self.movables):
+            self.scene.move(self.movables, self.stage.movable_poses)
+        self.scene.refresh()
+        robots, points = self.stage.contact_points
+        self.suite.contacts = Contacts(robots, points)
+
+    def put(self, robot: int, pose: tuple[float, float, float]) -> None:
+        """Put a robot at a pose in the world by hand: no wheel turns."""
+        self.stage.set_pose(robot, pose)
+        self.odometry.relocate(robot, pose)
+
+    def set_color(self, robot: int, color: int) -> None:
+        """Cameras see a robot's new colour from the next reading on."""
+        self.scene.colors[self.entities[robot]] = color

@@ -1,0 +1,139 @@
+"""Who touches whom: counts how often robots began to touch, and where they touch now."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+Indices = NDArray[np.int64]
+Floats = NDArray[np.float64]
+_FACTOR = 2**32
+_HALF = 2**31
+_TUPLE: Any = numba.types.Tuple  # numba's types have no annotations
+_GATHERED = _TUPLE((numba.int64[::1], numba.int64[::1], numba.float64[:, ::1]))
+
+
+class Touches:
+    """The contacts of robots, gathered over the steps of a tick.
+
+    Things are numbered: movers first (`first` movable obstacles, then the robots in order),
+    and what stands by negative numbers. A pair counts once when it touches in a tick and did
+    not in the tick before: letting go and touching again within a tick is no new contact.
+    """
+
+    def __init__(self, first: int) -> None:
+        self._first = first
+        self._steps: list[tuple[NDArray[np.uintp], Floats]] = []
+        self._ids: Indices = np.zeros(0, dtype=np.int64)
+        self._things: Indices = np.zeros(0, dtype=np.int64)
+        self._keys: Indices = np.zeros(0, dtype=np.int64)
+        self.robots: Indices = np.zeros(0, dtype=np.int64)
+        """(k,) The robot of each contact point of the latest tick, ascending."""
+        self.points: Floats = np.zeros((0, 2))
+        """(k, 2) The points in the world."""
+
+    def rename(self, ids: Indices, things: Indices) -> None:
+        """Set which body id (b,) ascending is which thing (b,)."""
+        self._ids, self._things = ids, things
+
+    def add(self, touching: tuple[NDArray[np.uintp], Floats]) -> None:
+        """Add what touches after a step, as `ContactTable.read` tells it."""
+        self._steps.append(touching)
+
+    def finish(self, counts: Indices) -> None:
+        """End the tick: counts (n,) goes up by one per pair that began to touch in it."""
+        if not self._steps:
+            if len(self._keys):
+                self._keys = np.zeros(0, dtype=np.int64)
+                self.robots, self.points = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
+            return
+        if len(self._steps) == 1:
+            pairs, points = self._steps[0]
+        else:
+            pairs = np.concatenate([pairs for pairs, _ in self._steps])
+            points = np.concatenate([points for _, points in self._steps])
+        ends = np.array(list(accumulate(len(pairs) for pairs, _ in self._steps)), dtype=np.int64)
+        self._steps.clear()
+        self._keys, self.robots, self.points = _gather(
+            pairs, points, ends, self._ids, self._things, self._first, self._keys, counts
+        )
+
+    @property
+    def pairs(self) -> tuple[Indices, Indices]:
+        """Robots (k,) and the things (k,) that they touched in the latest tick."""
+        return self._keys // _FACTOR, self._keys % _FACTOR - _HALF
+
+
+@numba.njit(
+    [
+        _GATHERED(
+            numba.types.Array(numba.uintp, 2, "C"), numba.float64[:, :, :, ::1],
+            numba.int64[::1], numba.int64[::1], numba.int64[::1], numba.int64,
+            numba.int64[::1], numba.int64[::1],
+        )
+    ],
+    cache=True,
+)  # fmt: skip
+def _gather(
+    pairs: Any, points: Any, ends: Any, ids: Any, things: Any, first: int, before: Any, counts: Any
+) -> Any:
+    """The tick's touching pairs as sorted keys, and their points sorted by robot, then place.
+
+    ends (s,): where each step's rows end. before: the keys of the tick before. A pair's points
+    are those of the last step in which it touched. counts goes up per pair that is new.
+    """
+    rows = np.empty(2 * len(pairs), dtype=np.int64)
+    keys = np.empty(2 * len(pairs), dtype=np.int64)
+    found = 0
+    for row in range(len(pairs)):
+        if pairs[row, 2] == 0:
+            continue
+        one = things[np.searchsorted(ids, np.int64(pairs[row, 0]))]
+        two = things[np.searchsorted(ids, np.int64(pairs[row, 1]))]
+        if one >= first:
+            keys[found], rows[found] = (one - first) * _FACTOR + two + _HALF, row
+            found += 1
+        if two >= first:
+            keys[found], rows[found] = (two - first) * _FACTOR + one + _HALF, row
+            found += 1
+    keys, rows = keys[:found], rows[:found]
+    touching = np.unique(keys)
+    last = np.zeros(len(touching), dtype=np.int64)
+    for k in range(found):
+        at = np.searchsorted(touching, keys[k])
+        last[at] = max(last[at], np.searchsorted(ends, rows[k], side="right"))
+    robots = np.empty(2 * found, dtype=np.int64)
+    places = np.empty((2 * found, 2))
+    shown = 0
+    for k in range(found):
+        row = rows[k]
+        at = np.searchsorted(touching, keys[k])
+        if np.searchsorted(ends, row, side="right") < last[at]:
+            continue
+        for c in range(min(2, int(pairs[row, 2]))):
+            robots[shown] = keys[k] // _FACTOR
+            for axis in range(2):
+                places[shown, axis] = (points[row, c, 0, axis] + points[row, c, 1, axis]) / 2.0
+            shown += 1
+    for k in range(len(touching)):
+        at = np.searchsorted(before, touching[k])
+        if at == len(before) or before[at] != touching[k]:
+            counts[touching[k] // _FACTOR] += 1
+    order = np.argsort(robots[:shown], kind="mergesort")
+    robots, places = robots[order], places[order]
+    for i in range(1, shown):  # by x, then y, within each robot
+        robot, x, y = robots[i], places[i, 0], places[i, 1]
+        j = i
+        while (
+            j > 0
+            and robots[j - 1] == robot
+            and (places[j - 1, 0] > x or (places[j - 1, 0] == x and places[j - 1, 1] > y))
+        ):
+            places[j, 0], places[j, 1] = places[j - 1, 0], places[j - 1, 1]
+            j -= 1
+        places[j, 0], places[j, 1] = x, y
+    return touching, robots, places

@@ -1,0 +1,234 @@
+"""The drive law, for all robots at once: from commands to the twist wanted of each body."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+
+from sim.stage.records import (
+    CAR,
+    HEADING,
+    MOVER,
+    OMNIDIRECTIONAL,
+    POSITION,
+    STEERING,
+)
+
+ARRIVED = 0.02
+"""m from its goal at which a robot that was sent to a pose has arrived (Stage's tolerance)."""
+TURN_FIRST = 0.3
+"""rad of bearing above which a differential robot on its way to a pose turns on the spot."""
+BRAKING = 0.7
+"""Share of the acceleration that approaching a goal plans with; the rest absorbs the delay of
+one step between command and motion, so that it does not overshoot."""
+
+_MOVERS = numba.from_dtype(MOVER)[::1]
+_STATE = numba.float64[:, ::1]
+
+
+@numba.njit(cache=True)
+def _wrap(angle: float) -> float:
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)
+
+
+@numba.njit(cache=True)
+def _approach(left: float, limit: float, acceleration: float, dt: float) -> float:
+    """Speed at which to approach a goal that is `left` away, so as to stop there."""
+    return min(limit, math.sqrt(2.0 * BRAKING * acceleration * left), left / (3.0 * dt))
+
+
+@numba.njit(cache=True)
+def _turn_to(error: float, limit: float, acceleration: float, dt: float) -> float:
+    rate = _approach(abs(error), limit, acceleration, dt)
+    return rate if error >= 0.0 else -rate
+
+
+@numba.njit(cache=True)
+def _set_point(mover: Any, x: float, y: float, yaw: float, dt: float) -> tuple[float, float, float]:
+    """The twist (vx, vy, wz; robot's frame) that a robot's command asks for now."""
+    if mover.mode == STEERING:
+        return mover.vx, 0.0, mover.vx * mover.curvature
+    if mover.mode == POSITION:
+        dx, dy = mover.goal_x - x, mover.goal_y - y
+        left = math.hypot(dx, dy)
+        if left > ARRIVED:
+            speed = _approach(left, mover.speed_limit, mover.max_acceleration, dt)
+            if mover.kind == OMNIDIRECTIONAL:
+                turn = _turn_to(
+                    _wrap(mover.goal_yaw - yaw), mover.turn_limit, mover.max_turn_acceleration, dt
+                )
+                bearing = math.atan2(dy, dx) - yaw
+                return speed * math.cos(bearing), speed * math.sin(bearing), turn
+            error = _wrap(math.atan2(dy, dx) - yaw)
+            turn = _turn_to(error, mover.turn_limit, mover.max_turn_acceleration, dt)
+            if abs(error) > TURN_FIRST:
+                return 0.0, 0.0, turn
+            return speed * math.cos(error), 0.0, turn
+        mover.mode = HEADING
+        mover.vx = 0.0
+    if mover.mode == HEADING:
+        error = _wrap(mover.goal_yaw - yaw)
+        turn = _turn_to(error, mover.turn_limit, mover.max_turn_acceleration, dt)
+        return mover.vx, 0.0, turn
+    return mover.vx, mover.vy, mover.wz
+
+
+@numba.njit(cache=True)
+def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
+    """Bring the wanted twist nearer to the set-point, within the limits of acceleration."""
+    dx, dy = vx - mover.wanted_x, vy - mover.wanted_y
+    change, most = math.hypot(dx, dy), mover.max_acceleration * dt
+    if change > most:
+        dx, dy = dx * most / change, dy * most / change
+        mover.wanted_x += dx
+        mover.wanted_y += dy
+    else:
+        mover.wanted_x, mover.wanted_y = vx, vy
+    if mover.kind == CAR and mover.mode == STEERING:
+        wz = mover.wanted_x * mover.curvature
+    most = mover.max_turn_acceleration * dt
+    mover.wanted_turn += min(most, max(-most, wz - mover.wanted_turn))
+    if mover.kind == CAR:
+        most = abs(mover.wanted_x) * mover.max_curvature
+        mover.wanted_turn = min(most, max(-most, mover.wanted_turn))
+
+
+@numba.njit([numba.void(_STATE, _MOVERS, numba.int64, numba.float64)], cache=True)
+def want(state: Any, movers: Any, count: int, dt: float) -> None:
+    """Update the wanted twists of the first `count` movers for a step of `dt` seconds.
+
+    state (b, 6): the bodies' table.
+    """
+    for i in range(count):
+        mover = movers[i]
+        if not mover.driven:
+            continue
+        body = state[mover.row]
+        vx, vy, wz = 0.0, 0.0, 0.0
+        if mover.motors:
+            vx, vy, wz = _set_point(mover, body[0], body[1], body[2], dt)
+        if mover.kind != OMNIDIRECTIONAL:
+            vy = 0.0
+        _ramp(mover, vx, vy, wz, dt)
+
+
+@numba.njit(
+    [numba.void(_STATE, _STATE, _MOVERS, numba.int64, numba.float64, numba.float64)], cache=True
+)
+def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, piece: float) -> None:
+    """Write what makes the bodies move as wanted in a step of `dt`, cut to pieces of `piece` s.
+
+    orders (b, 6): velocities (as they are, but for the bodies that lead robots) and forces. A
+    robot that follows a leader is moved by its joints. All others are far from everything, and
+    the same limited impulse is a force on them in the first piece: the velocity after the step
+    is the same either way.
+
+    Chipmunk moves bodies first, with the velocities they have, and then finds new ones for the
+    next step. So the wanted direction is that of the heading halfway through the next step;
+    with it an arc of many steps stays on its circle.
+    """
+    for i in range(orders.shape[0]):
+        orders[i, 0], orders[i, 1], orders[i, 2] = state[i, 3], state[i, 4], state[i, 5]
+        orders[i, 3], orders[i, 4], orders[i, 5] = 0.0, 0.0, 0.0
+    for i in range(count):
+        mover = movers[i]
+        if not mover.driven:
+            continue
+        body = state[mover.row]
+        yaw = body[2] + body[5] * piece + mover.wanted_turn * piece / 2.0
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+        mover.axis_x, mover.axis_y = cosine, sine
+        vx = mover.wanted_x * cosine - mover.wanted_y * sine
+        vy = mover.wanted_x * sine + mover.wanted_y * cosine
+        if mover.control >= 0:
+            leader = orders[mover.control]
+            leader[0], leader[1], leader[2] = vx, vy, mover.wanted_turn
+            continue
+        dx, dy = (vx - body[3]) * mover.mass, (vy - body[4]) * mover.mass
+        push, most = math.hypot(dx, dy), mover.max_force * dt
+        if push > most:
+            dx, dy = dx * most / push, dy * most / push
+        most = mover.max_torque * dt
+        spin = min(most, max(-most, (mover.wanted_turn - body[5]) * mover.moment))
+        order = orders[mover.row]
+        order[3], order[4], order[5] = dx / piece, dy / piece, spin / piece
+
+
+@numba.njit([numba.void(_STATE, _MOVERS, numba.int64, numba.float64)], cache=True)
+def account(state: Any, movers: Any, count: int, dt: float) -> None:
+    """After a step of `dt`: the way gone, and how much of what was wanted was done."""
+    for i in range(count):
+        mover = movers[i]
+        body = state[mover.row]
+        mover.distance += math.hypot(body[0] - mover.x, body[1] - mover.y)
+        mover.x, mover.y = body[0], body[1]
+        if not mover.driven:
+            continue
+        speed = math.hypot(mover.wanted_x, mover.wanted_y)
+        if speed > 0.0:
+            vx = body[3] * mover.axis_x + body[4] * mover.axis_y
+            vy = body[4] * mover.axis_x - body[3] * mover.axis_y
+            mover.asked += speed * dt
+            mover.done += (vx * mover.wanted_x + vy * mover.wanted_y) / speed * dt
+        turn = mover.wanted_turn
+        if turn != 0.0:
+            mover.asked_turn += abs(turn) * dt
+            mover.done_turn += (body[5] if turn > 0.0 else -body[5]) * dt
+
+
+STALL_SPEED = 0.01
+"""m/s: slower commands do not stall."""
+STALL_TURN = 0.02
+"""rad/s: slower commands to turn do not stall."""
+STALL_SHARE = 0.5
+"""A robot stalls when it does less than this share of what is wanted of it."""
+
+
+@numba.njit(
+    [
+        numba.void(
+            _STATE, _MOVERS, numba.int64, numba.int64, numba.float64, _STATE, _STATE,
+            numba.float64[::1], numba.bool_[::1],
+        )
+    ],
+    cache=True,
+)  # fmt: skip
+def report(
+    state: Any,
+    movers: Any,
+    first: int,
+    count: int,
+    interval: float,
+    poses: Any,
+    velocities: Any,
+    distances: Any,
+    stalls: Any,
+) -> None:
+    """After a tick of `interval` seconds: the robots' poses, velocities, ways and stalls.
+
+    Robots are the movers from `first` to `count`. A robot stalls when, over the tick, it was
+    wanted to go faster than STALL_SPEED on average and went less than STALL_SHARE of that way,
+    measured along the wanted direction; or the same of turning. Wanted is what the limits of
+    acceleration have left of the command: speeding up is no stall.
+    """
+    for i in range(first, count):
+        mover = movers[i]
+        body = state[mover.row]
+        at = i - first
+        poses[at, 0], poses[at, 1], poses[at, 2] = body[0], body[1], _wrap(body[2])
+        cosine, sine = mover.axis_x, mover.axis_y
+        if not mover.driven:
+            cosine, sine = math.cos(body[2]), math.sin(body[2])
+        velocities[at, 0] = body[3] * cosine + body[4] * sine
+        velocities[at, 1] = body[4] * cosine - body[3] * sine
+        velocities[at, 2] = body[5]
+        distances[at] = mover.distance
+        blocked = mover.asked > STALL_SPEED * interval and mover.done < STALL_SHARE * mover.asked
+        stuck = (
+            mover.asked_turn > STALL_TURN * interval
+            and mover.done_turn < STALL_SHARE * mover.asked_turn
+        )
+        stalls[at] = blocked or stuck
+        mover.asked, mover.done, mover.asked_turn, mover.done_turn = 0.0, 0.0, 0.0, 0.0

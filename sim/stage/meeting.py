@@ -1,0 +1,73 @@
+"""Which robots could meet anything within a tick: only these need joints and the solver.
+
+The others, far from all else, are most of a large sparse world. They are moved by forces alone
+(see `drive.lead`), and the solver does not spend its rounds on them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+
+from sim.stage.closing import clear_of, sort_by_x
+from sim.stage.records import MOVER
+
+CALM = 20
+"""Ticks that a robot must have been far from everything before its joints are taken away: to
+attach and detach them costs more than to keep them for a while."""
+
+
+@numba.njit(
+    [
+        numba.int64(
+            numba.float64[:, ::1], numba.from_dtype(MOVER)[::1], numba.int64,
+            numba.int64[::1], numba.uint8[:, ::1], numba.float64, numba.float64,
+        )
+    ],
+    cache=True,
+)  # fmt: skip
+def look_around(
+    state: Any, movers: Any, count: int, order: Any, cells: Any, cell: float, interval: float
+) -> int:
+    """Count for each mover the ticks since it last could meet anything (`calm`, 0 for now).
+
+    Bodies are taken for their circles, at the highest speed that their drives allow, or that
+    they have. Returns how many robots must get or lose their joints.
+    """
+    sort_by_x(order, state, movers, count)
+    widest = 0.0
+    for i in range(count):
+        mover = movers[i]
+        body = state[mover.row]
+        mover.calm += 1
+        speed = max(mover.max_speed if mover.driven else 0.0, math.hypot(body[3], body[4]))
+        widest = max(widest, mover.reach + speed * interval)
+    for i in range(count):
+        mover = movers[order[i]]
+        body = state[mover.row]
+        speed = max(mover.max_speed if mover.driven else 0.0, math.hypot(body[3], body[4]))
+        wide = mover.reach + speed * interval
+        if not mover.standing and clear_of(cells, cell, body[0], body[1]) <= wide:
+            mover.calm = 0
+        for j in range(i + 1, count):
+            other = movers[order[j]]
+            there = state[other.row]
+            if there[0] - body[0] > wide + widest:
+                break
+            if mover.standing and other.standing:
+                continue
+            speed = max(other.max_speed if other.driven else 0.0, math.hypot(there[3], there[4]))
+            least = wide + other.reach + speed * interval
+            if math.hypot(there[0] - body[0], there[1] - body[1]) <= least:
+                mover.calm = 0
+                other.calm = 0
+    changes = 0
+    for i in range(count):
+        mover = movers[i]
+        if mover.driven and (
+            (mover.calm == 0 and mover.control < 0) or (mover.calm >= CALM and mover.control >= 0)
+        ):
+            changes += 1
+    return changes

@@ -1,0 +1,160 @@
+"""The bodies of a stage in Chipmunk's space: how they come, settle, and get and lose joints."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pymunk
+from numpy.typing import ArrayLike, NDArray
+
+from sim.stage import bodies
+from sim.stage.batch import BodyTable, ContactTable
+from sim.stage.contacts import Touches
+from sim.stage.geometry import Floats, outline, reach
+from sim.stage.layout import Layout
+from sim.stage.records import mover
+
+ITERATIONS = 10
+"""Rounds of the solver where bodies may meet; one does where none can."""
+
+
+class Physics:
+    """Movers (movable obstacles first, then robots) as bodies, with tables of their states.
+
+    Movers are numbered as they came. `index` must run after every change before `step`.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._space = bodies.new_space()
+        self._ground = pymunk.Body(body_type=pymunk.Body.STATIC)
+        self._space.add(self._ground)
+        self._standing = bodies.add_solids(self._space, layout.solids)
+        self._bodies: list[pymunk.Body] = []
+        self._drives: list[Any] = []
+        self._joints: list[list[pymunk.Constraint]] = []
+        self._leaders: list[pymunk.Body | None] = []
+        self._following: list[bool] = []
+        self._shapes: dict[Any, int] = {}
+        self._contacts = ContactTable(self._space)
+        self.table = BodyTable(self._space)
+        self.outlines: NDArray[np.float64] = np.zeros((0, 1, 2))
+        """(s, k, 2) Outlines of the shapes that there are, in their own frames."""
+        self.sides: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        """(s,) How many corners each has; 0 for a circle."""
+
+    def add(self, schema: Any, drive: Any, pose: tuple[float, float, float]) -> Any:
+        """Add a mover of a body and a drive (or None) of the schema; returns its record."""
+        body = bodies.dynamic_body(schema, pose)
+        self._space.add(body, bodies.shape_of(body, schema))
+        joints: list[pymunk.Constraint] = []
+        if drive is None:
+            joints = bodies.floor_friction(self._ground, body, schema)
+            self._space.add(*joints)
+        self._bodies.append(body)
+        self._drives.append(drive)
+        self._joints.append(joints)
+        self._leaders.append(None)
+        self._following.append(False)
+        record = mover(
+            schema, drive, moment=body.moment, reach=reach(schema), shape=self._shape(schema)
+        )
+        record["x"], record["y"] = pose[0], pose[1]
+        record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
+        return record
+
+    def _shape(self, schema: Any) -> int:
+        """The number of a body's outline, which bodies of equal shape share."""
+        corners = np.zeros((0, 2)) if schema.shape == "circle" else outline(schema)
+        key = corners.tobytes()
+        if key not in self._shapes:
+            self._shapes[key] = len(self._shapes)
+            most = max(self.outlines.shape[1], len(corners))
+            wider = np.zeros((len(self._shapes), most, 2))
+            wider[:-1, : self.outlines.shape[1]] = self.outlines
+            wider[-1, : len(corners)] = corners
+            self.outlines, self.sides = wider, np.append(self.sides, len(corners))
+        return self._shapes[key]
+
+    def follow(self, number: int, following: bool) -> None:
+        """Attach a driven mover to its leader, or detach it."""
+        if following == self._following[number]:
+            return
+        body, drive = self._bodies[number], self._drives[number]
+        leader = self._leaders[number]
+        if leader is None:
+            leader = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            self._leaders[number] = leader
+            self._joints[number] = bodies.follow(leader, body, drive.max_force, drive.max_torque)
+        change = self._space.add if following else self._space.remove
+        change(leader, *self._joints[number])
+        self._following[number] = following
+
+    def settle(self, number: int) -> None:
+        """Make a mover a standing body."""
+        body = self._bodies[number]
+        if self._drives[number] is None:
+            self._space.remove(*self._joints[number])
+        else:
+            self.follow(number, False)
+        self._joints[number], self._leaders[number] = [], None
+        body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
+        body.body_type = pymunk.Body.STATIC
+
+    def put(self, number: int, pose: tuple[float, float, float]) -> None:
+        """Move a mover to a pose (x, y, yaw) at once, at rest."""
+        body = self._bodies[number]
+        body.position, body.angle = (pose[0], pose[1]), pose[2]
+        if body.body_type == pymunk.Body.DYNAMIC:
+            body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
+        self._space.reindex_shapes_for_body(body)
+
+    def index(self, movers: NDArray[Any], touches: Touches) -> None:
+        """After a change: find the rows of the movers (n,) in the table, and read it."""
+        ids = self.table.index().astype(np.int64)
+        order = np.argsort(ids)
+        ranked = ids[order]
+        own = np.array([body.id for body in self._bodies], dtype=np.int64)
+        if len(own):
+            movers["row"] = order[np.searchsorted(ranked, own)]
+            movers["control"] = -1
+            led = np.nonzero(np.array(self._following))[0]
+            names = [leader.id for leader in map(self._leaders.__getitem__, led.tolist()) if leader]
+            movers["control"][led] = order[np.searchsorted(ranked, np.array(names, dtype=np.int64))]
+        standing = np.array(list(self._standing), dtype=np.int64)
+        groups = np.array(list(self._standing.values()), dtype=np.int64)
+        names_of_all = np.concatenate([own, standing])
+        things = np.concatenate([np.arange(len(own)), -1 - groups])
+        rank = np.argsort(names_of_all)
+        touches.rename(names_of_all[rank], things[rank])
+
+    def step(self, piece: float, cuts: int, touches: Touches | None) -> None:
+        """Write the table's orders, make `cuts` steps of `piece` seconds, and read the table.
+
+        touches: gathers what touches; None where nothing can.
+        """
+        self.table.write()
+        iterations = 1 if touches is None else ITERATIONS
+        if self._space.iterations != iterations:
+            self._space.iterations = iterations
+        for _ in range(cuts):
+            self._space.step(piece)
+            if touches is not None:
+                touching = self._contacts.read()
+                if touching is not None:
+                    touches.add(touching)
+        self.table.read()
+
+    def poses(self, count: int) -> Floats:
+        """Poses (count, 3) of the first movers: x, y, yaw as Chipmunk counts it."""
+        found = [(*body.position, body.angle) for body in self._bodies[:count]]
+        return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+
+def pose_of(values: ArrayLike) -> tuple[float, float, float]:
+    """Three finite numbers as a pose; ValueError otherwise."""
+    flat = np.asarray(values, dtype=np.float64)
+    if flat.shape != (3,) or not np.isfinite(flat).all():
+        raise ValueError(f"a pose is three finite numbers x, y, yaw, not {values!r}")
+    return float(flat[0]), float(flat[1]), float(flat[2])

@@ -1,0 +1,223 @@
+"""Where robots start: fixed poses that are checked, and random ones that depend on the seed."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.stage.geometry import Floats, outline, placed
+from sim.stage.layout import Layout
+from sim.stage.room import Room
+from sim.worldfile.mistakes import Mistake, WorldError
+
+if TYPE_CHECKING:
+    from sim.worldfile.robots import RobotSpec
+    from sim.worldfile.schema import Model
+
+TRIES = 500
+"""Random poses tried for a robot before the places on a lattice are looked through."""
+LINES = 50
+"""Random lines tried for robots that start on the same y."""
+APART = 1e-6
+"""m between robots that are asked to keep no margin: to touch would be a contact."""
+TOUCH = 1e-6
+"""m of overlap at the start that rounding of degrees and sums in a world file may make."""
+
+
+def place(
+    layout: Layout, robots: Sequence[RobotSpec], models: Mapping[str, Model], seed: int
+) -> Floats:
+    """The start poses (n, 3) of robots in their order: x, y, yaw in radians.
+
+    Robots with a pose keep it; then the others are drawn entry by entry, each at least its
+    margin away from all that is there. The numbers come from numpy's generator, seeded with
+    the run's seed and a constant: nothing else of the run changes them. Raises WorldError
+    where an entry's robots cannot all be placed.
+    """
+    rng = np.random.default_rng([seed, zlib.crc32(b"placement")])
+    poses = np.zeros((len(robots), 3))
+    room = Room(layout)
+    for index, robot in enumerate(robots):
+        if robot.pose is not None:
+            poses[index] = robot.pose
+            room.occupy(placed(outline(models[robot.model].body), robot.pose), 0.0)
+    drawn = [index for index, robot in enumerate(robots) if robot.pose is None]
+    for _, group in groupby(drawn, key=lambda index: robots[index].entry):
+        entry = list(group)
+        chosen = _place_entry(room, [robots[index] for index in entry], models, rng)
+        poses[entry] = chosen
+    return poses
+
+
+def _place_entry(
+    room: Room, robots: list[RobotSpec], models: Mapping[str, Model], rng: np.random.Generator
+) -> Floats:
+    """Poses (k, 3) for the robots of an entry; they are in the room afterwards."""
+    rule = robots[0].placement
+    margin = 0.1 if rule is None else rule.margin
+    shape = outline(models[robots[0].model].body)
+    start = room.mark()
+    found: list[Floats] | None = None
+    for attempt in _attempts(room, robots, shape, margin, rng, rule is not None and rule.same_y):
+        found = _fill(room, robots, shape, margin, attempt)
+        if found is not None:
+            break
+        room.back_to(start)
+    if found is None:
+        what = f"{len(robots)} robot(s) of model {robots[0].model} do not fit here"
+        allowed = "fewer robots, a smaller margin, or a larger world"
+        given = f"margin: {margin:g}" + (", on one line" if rule and rule.same_y else "")
+        raise WorldError([Mistake(("robots", robots[0].entry), what, given, allowed)])
+    return np.array(found)
+
+
+Attempt = Callable[[int], Iterator[Floats]]
+"""The poses to try for the i-th robot of an entry, in this order."""
+
+
+def _attempts(
+    room: Room,
+    robots: list[RobotSpec],
+    shape: Floats,
+    margin: float,
+    rng: np.random.Generator,
+    same_y: bool,
+) -> Iterator[Attempt]:
+    """Ways to place an entry: at random, and where that fails as close as a lattice allows."""
+    low, high = room.low[1], room.high[1]
+    if not same_y:
+
+        def scattered(index: int) -> Iterator[Floats]:
+            for _ in range(TRIES):
+                yield np.array([*rng.uniform(room.low, room.high), _heading(robots[index], rng)])
+            yield from _lattice(room, robots[index], shape, margin, None)
+
+        yield scattered
+        yield lambda index: _lattice(room, robots[index], shape, margin, None)
+        return
+    for _ in range(LINES):
+        line = _spread(room, robots, shape, margin, rng, float(rng.uniform(low, high)))
+        if line is not None:
+            yield lambda index, line=line: iter([line[index]])  # type: ignore[misc]
+    finest = float((shape.max(axis=0) - shape.min(axis=0)).min()) / 4.0
+    for y in np.linspace(low, high, min(max(2, math.ceil((high - low) / finest)), 400)).tolist():
+        yield lambda index, y=y: _lattice(room, robots[index], shape, margin, y)  # type: ignore[misc]
+
+
+def _fill(
+    room: Room, robots: list[RobotSpec], shape: Floats, margin: float, attempt: Attempt
+) -> list[Floats] | None:
+    """Place all robots of an entry in the first poses of an attempt that fit, or None."""
+    found = []
+    for index in range(len(robots)):
+        for pose in attempt(index):
+            vertices = placed(shape, pose)
+            if room.fits(vertices, margin):
+                room.occupy(vertices, margin)
+                found.append(pose)
+                break
+        else:
+            return None
+    return found
+
+
+def _heading(robot: RobotSpec, rng: np.random.Generator) -> float:
+    if robot.headings is None:
+        return float(rng.uniform(-math.pi, math.pi))
+    return robot.headings[int(rng.integers(len(robot.headings)))]
+
+
+def _spread(
+    room: Room,
+    robots: list[RobotSpec],
+    shape: Floats,
+    margin: float,
+    rng: np.random.Generator,
+    y: float,
+) -> list[Floats] | None:
+    """Robots in random order on the line of height y, what room is left shared out at random.
+
+    The free length is cut at sorted uniform numbers, which draws evenly from all ways to lay
+    intervals side by side. None where the line is too short.
+    """
+    yaws = [_heading(robot, rng) for robot in robots]
+    turned = [placed(shape, (0.0, 0.0, yaw)) for yaw in yaws]
+    lowest = np.array([vertices[:, 0].min() for vertices in turned])
+    widths = np.array([vertices[:, 0].max() for vertices in turned]) - lowest
+    below = min(float(vertices[:, 1].min()) for vertices in turned) - margin
+    above = max(float(vertices[:, 1].max()) for vertices in turned) + margin
+    ends = [room.chord(y + below), room.chord(y + above)]
+    left, right = max(end[0] for end in ends), min(end[1] for end in ends)
+    free = right - left - float(widths.sum()) - margin * (len(robots) + 1)
+    order = rng.permutation(len(robots))
+    gaps = np.sort(rng.uniform(0.0, 1.0, len(robots)))
+    if free < 0.0:
+        return None
+    poses = [np.zeros(3)] * len(robots)
+    edge = left
+    for place_number, robot in enumerate(order.tolist()):
+        gap = free * gaps[place_number]
+        start = edge + margin + gap - lowest[robot]
+        poses[robot] = np.array([start, y, yaws[robot]])
+        edge += margin + widths[robot]
+    return poses
+
+
+def _lattice(
+    room: Room, robot: RobotSpec, shape: Floats, margin: float, y: float | None
+) -> Iterator[Floats]:
+    """Poses row by row and column by column, as close as a body and its margin need it."""
+    headings = (0.0, math.pi / 2) if robot.headings is None else robot.headings
+    for yaw in dict.fromkeys(headings):
+        turned = placed(shape, (0.0, 0.0, yaw))
+        lowest, highest = turned.min(axis=0), turned.max(axis=0)
+        margin = max(margin, APART)
+        step = highest - lowest + margin
+        first = room.low - lowest + margin
+        last = room.high - highest - margin
+        for part in (1.0, 0.25):
+            columns = np.arange(first[0], last[0] + 1e-9, step[0] * part)
+            rows = np.arange(first[1], last[1] + 1e-9, step[1] * part) if y is None else [y]
+            for row in rows:
+                for column in columns:
+                    yield np.array([column, row, yaw])
+
+
+def check_start(
+    layout: Layout, robots: Sequence[RobotSpec], models: Mapping[str, Model]
+) -> list[Mistake]:
+    """Mistakes for robots with a pose that are off the world, in a wall or in each other.
+
+    Touching is no mistake. The place of a mistake is the robot's entry: the later of two.
+    """
+    room = Room(layout, doors=False)
+    mistakes: list[Mistake] = []
+    names: list[str] = []
+    first = room.mark()
+    for robot in robots:
+        if robot.pose is None or robot.model not in models:
+            continue
+        where: tuple[str | int, ...] = ("robots", robot.entry, "pose")
+        body: Any = models[robot.model].body
+        vertices = placed(outline(body), robot.pose)
+        given = f"robot {robot.name} at [{robot.pose[0]:g}, {robot.pose[1]:g}]"
+        centre = np.array([robot.pose[:2]])
+        if not room.holds(centre):
+            size = f"within {room.high[0]:g} x {room.high[1]:g} m"
+            mistakes.append(Mistake(where, "the robot starts outside of the world", given, size))
+            continue
+        for other in room.overlapped(vertices, TOUCH):
+            if other < first:
+                what = "the robot starts in a wall or an obstacle"
+                mistakes.append(Mistake(where, what, given, "a free place"))
+                break
+            what = f"the robot starts in robot {names[other - first]}"
+            mistakes.append(Mistake(where, what, given, "a free place"))
+        room.occupy(vertices, 0.0)
+        names.append(robot.name)
+    return mistakes

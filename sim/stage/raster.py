@@ -1,0 +1,124 @@
+"""Walls on a raster (from an image or text map) as merged rectangles and merged outlines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Raster:
+    """Walls as cells: `walls` (rows, columns) bool with row 0 at the top, `cell` in metres.
+
+    The lower left corner of the raster is the world's origin.
+    """
+
+    walls: Bools
+    cell: float
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in metres."""
+        rows, columns = self.walls.shape
+        return columns * self.cell, rows * self.cell
+
+    def centre(self, column: int, row: int) -> tuple[float, float]:
+        """World position of a cell's centre; column and row count from the top left, from 0."""
+        rows = self.walls.shape[0]
+        return (column + 0.5) * self.cell, (rows - row - 0.5) * self.cell
+
+    def at(self, x: float, y: float) -> tuple[int, int]:
+        """Column and row of the cell that holds a world position (it may lie off the raster)."""
+        rows = self.walls.shape[0]
+        return int(np.floor(x / self.cell)), rows - 1 - int(np.floor(y / self.cell))
+
+    def is_wall(self, points: ArrayLike) -> Bools:
+        """For world points (n, 2), whether each lies in a wall's cell; (n,) bool."""
+        flat = np.asarray(points, dtype=np.float64)
+        rows, columns = self.walls.shape
+        column = np.floor(flat[:, 0] / self.cell).astype(np.int64)
+        row = rows - 1 - np.floor(flat[:, 1] / self.cell).astype(np.int64)
+        on = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        found = np.zeros(len(flat), dtype=np.bool_)
+        found[on] = self.walls[row[on], column[on]]
+        return found
+
+
+def _runs(marks: NDArray[np.int8]) -> NDArray[np.int64]:
+    """Runs of equal non-zero marks along each row of (rows, columns): (k, 3) row, start, end."""
+    rows, columns = marks.shape
+    padded = np.zeros((rows, columns + 2), dtype=np.int8)
+    padded[:, 1:-1] = marks
+    changes = padded[:, 1:] != padded[:, :-1]
+    row, column = np.nonzero(changes & (padded[:, 1:] != 0))
+    end_row, end_column = np.nonzero(changes & (padded[:, :-1] != 0))
+    assert np.array_equal(row, end_row)
+    return np.stack([row, column, end_column], axis=1)
+
+
+def merged_rectangles(walls: Bools) -> NDArray[np.int64]:
+    """Cover the walls exactly by few rectangles that do not overlap.
+
+    Greedy: the runs of each row, and equal runs of rows below one another become one rectangle.
+    Returns (k, 4) left column, top row, right column, bottom row; right and bottom excluded.
+    """
+    done: list[tuple[int, int, int, int]] = []
+    growing: dict[tuple[int, int], int] = {}  # (start, end) -> row of its top
+    by_row: list[list[tuple[int, int]]] = [[] for _ in range(walls.shape[0])]
+    for row, start, end in _runs(walls.astype(np.int8)).tolist():
+        by_row[row].append((start, end))
+    for row, runs in enumerate([*by_row, []]):
+        here = set(runs)
+        for span in [span for span in growing if span not in here]:
+            done.append((span[0], growing.pop(span), span[1], row))
+        for span in runs:
+            growing.setdefault(span, row)
+    return np.array(sorted(done, key=lambda r: (r[1], r[0])), dtype=np.int64).reshape(-1, 4)
+
+
+def rectangles_in_world(raster: Raster) -> list[tuple[float, float, float, float]]:
+    """The walls' merged rectangles as (left, bottom, right, top) in metres."""
+    rows, cell = raster.walls.shape[0], raster.cell
+    return [
+        (left * cell, (rows - bottom) * cell, right * cell, (rows - top) * cell)
+        for left, top, right, bottom in merged_rectangles(raster.walls).tolist()
+    ]
+
+
+def merged_outlines(raster: Raster) -> Floats:
+    """Edges between wall and free cells, merged to long segments: (m, 4) x1, y1, x2, y2.
+
+    What lies off the raster is free, so that a wall at its edge is closed. A segment ends where
+    wall and free side swap, hence at every corner.
+    """
+    walls, cell = raster.walls, raster.cell
+    rows, columns = walls.shape
+    padded = np.zeros((rows + 2, columns + 2), dtype=np.int8)
+    padded[1:-1, 1:-1] = walls
+    level = _runs(padded[1:, 1:-1] - padded[:-1, 1:-1])  # edge row r lies above cell row r
+    upright = _runs((padded[1:-1, 1:] - padded[1:-1, :-1]).T.copy())  # edge column c, left of c
+    height = rows * cell
+    across = np.stack(
+        [
+            level[:, 1] * cell,
+            height - level[:, 0] * cell,
+            level[:, 2] * cell,
+            height - level[:, 0] * cell,
+        ],
+        axis=1,
+    )
+    along = np.stack(
+        [
+            upright[:, 0] * cell,
+            height - upright[:, 1] * cell,
+            upright[:, 0] * cell,
+            height - upright[:, 2] * cell,
+        ],
+        axis=1,
+    )
+    return np.concatenate([across, along]).astype(np.float64)

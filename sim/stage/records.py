@@ -1,0 +1,96 @@
+"""What the stage knows of each moving body, as one numpy record per body."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+PASSIVE, DIFFERENTIAL, OMNIDIRECTIONAL, CAR = 0, 1, 2, 3
+"""Kinds of drive. PASSIVE: a movable obstacle, or a robot without a drive."""
+
+KINDS = {"differential": DIFFERENTIAL, "omnidirectional": OMNIDIRECTIONAL, "car": CAR}
+
+TWIST, STEERING, POSITION, HEADING = 0, 1, 2, 3
+"""What a robot was commanded last: a twist; a speed with a curvature; a pose; a heading."""
+
+MOVER = np.dtype(
+    [
+        # the model
+        ("kind", np.int32),
+        ("max_speed", np.float64),  # m/s
+        ("max_turn_rate", np.float64),  # rad/s
+        ("max_acceleration", np.float64),  # m/s2
+        ("max_turn_acceleration", np.float64),  # rad/s2
+        ("max_curvature", np.float64),  # 1/m, car only
+        ("mass", np.float64),  # kg
+        ("moment", np.float64),  # kg m2
+        ("max_force", np.float64),  # N
+        ("max_torque", np.float64),  # N m
+        ("shape", np.int32),  # its number among the outlines
+        ("reach", np.float64),  # m, radius of the circle about the origin that holds the body
+        ("lever", np.float64),  # m, how far from the origin turning moves the outline; 0: circle
+        # where it is in the tables
+        ("row", np.int32),  # of its body
+        ("control", np.int32),  # of the body that leads it; -1: none does
+        ("driven", np.bool_),  # has a drive and is not settled
+        ("standing", np.bool_),  # settled for good
+        ("calm", np.int32),  # ticks since it last could have met anything
+        # the command
+        ("mode", np.int32),
+        ("motors", np.bool_),
+        ("vx", np.float64),
+        ("vy", np.float64),
+        ("wz", np.float64),
+        ("curvature", np.float64),
+        ("goal_x", np.float64),
+        ("goal_y", np.float64),
+        ("goal_yaw", np.float64),
+        ("speed_limit", np.float64),  # m/s, of this command
+        ("turn_limit", np.float64),  # rad/s, of this command
+        # the wanted twist in the robot's frame, after the limits of acceleration
+        ("wanted_x", np.float64),
+        ("wanted_y", np.float64),
+        ("wanted_turn", np.float64),
+        ("axis_x", np.float64),  # the robot's x axis in the world, for which this was meant
+        ("axis_y", np.float64),
+        # where it was after the last step
+        ("x", np.float64),
+        ("y", np.float64),
+        # sums: over the run, then over this tick
+        ("distance", np.float64),
+        ("asked", np.float64),  # m of wanted way
+        ("done", np.float64),  # m of way in the wanted direction
+        ("asked_turn", np.float64),  # rad
+        ("done_turn", np.float64),  # rad
+    ],
+    align=True,
+)
+
+
+def mover(body: Any, drive: Any, *, moment: float, reach: float, shape: int) -> Any:
+    """A record for a body and a drive (or None) of the schema, at rest at no place yet.
+
+    moment: moment of inertia in kg m2. reach: radius of the circle about its origin in metres.
+    shape: the number of its outline.
+    """
+    record = np.zeros(1, dtype=MOVER)[0]
+    record["mass"], record["moment"] = body.mass, moment
+    record["reach"] = reach
+    record["lever"] = 0.0 if body.shape == "circle" else reach
+    record["shape"] = shape
+    record["control"] = -1
+    record["motors"] = True
+    record["axis_x"] = 1.0
+    if drive is not None:
+        record["kind"] = KINDS[drive.kind]
+        record["driven"] = True
+        record["max_speed"] = drive.max_speed
+        record["max_turn_rate"] = math.radians(drive.max_turn_rate)
+        record["max_acceleration"] = drive.max_acceleration
+        record["max_turn_acceleration"] = math.radians(drive.max_turn_acceleration)
+        record["max_force"], record["max_torque"] = drive.max_force, drive.max_torque
+        if drive.kind == "car":
+            record["max_curvature"] = math.tan(math.radians(drive.max_steering)) / drive.wheelbase
+    return record

@@ -1,0 +1,303 @@
+"""The stage: all that moves in a world, tick by tick."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sim.stage import commands, drive
+from sim.stage.clearance import clearance_of
+from sim.stage.closing import pieces
+from sim.stage.contacts import Touches
+from sim.stage.geometry import Bools, Floats, wrapped
+from sim.stage.layout import Layout
+from sim.stage.meeting import CALM, look_around
+from sim.stage.physics import Physics, pose_of
+from sim.stage.records import CAR, MOVER
+
+if TYPE_CHECKING:
+    from sim.worldfile.schema import Clock, Model
+
+
+class Stage:
+    """Robots, movable obstacles and walls in one physical space.
+
+    Robots are numbered in the order in which they came. All arrays are views that the next
+    tick, or the next robot to come, replaces: copy what must stay. Poses are (x, y, yaw) in
+    metres and radians in the world's frame, yaw in (-pi, pi].
+    """
+
+    def __init__(self, layout: Layout, models: Mapping[str, Model], clock: Clock) -> None:
+        self.layout = layout
+        self._models = models
+        self._interval = clock.interval
+        self._steps = max(1, round(clock.interval / clock.physics_step))
+        self._dt = clock.interval / self._steps
+        self._physics = Physics(layout)
+        self._clearance = clearance_of(layout)
+        self._movables = len(layout.movables)
+        self._touches = Touches(self._movables)
+        self._count = 0
+        room = self._movables + 8
+        self._movers = np.zeros(room, dtype=MOVER)
+        self._order = np.arange(room)
+        self._poses, self._velocities = np.zeros((room, 3)), np.zeros((room, 3))
+        self._distances, self._stalls = np.zeros(room), np.zeros(room, dtype=np.bool_)
+        self._contact_counts = np.zeros(room, dtype=np.int64)
+        self.names: list[str] = []
+        self.model_names: list[str] = []
+        self.colors: list[int] = []
+        for number, movable in enumerate(layout.movables):
+            self._movers[number] = self._physics.add(movable.body, None, movable.pose)
+        self._changed = True
+
+    # --- robots come, stand still, are moved by hand
+
+    def add_robot(self, name: str, model: str, pose: ArrayLike) -> int:
+        """Put a robot of a model of the world on the stage, at rest; returns its number."""
+        at = pose_of(pose)
+        kind = self._models[model]
+        robot = self._count
+        number = self._movables + robot
+        self._grow(number + 1)
+        self._movers[number] = self._physics.add(kind.body, kind.drive, at)
+        self._order[number] = number
+        self._count += 1
+        self._show(robot, at)
+        self.names.append(name)
+        self.model_names.append(model)
+        self.colors.append(kind.body.color)
+        return robot
+
+    def settle(self, robot: int) -> None:
+        """Make a robot a standing body: nothing moves it any more, and it obeys no command."""
+        record = self._record(robot)
+        if record["standing"]:
+            return
+        self._physics.settle(self._movables + robot)
+        record["standing"], record["driven"] = True, False
+        self._rest(record)
+        self._velocities[robot] = 0.0
+        self._stalls[robot] = False
+        self._changed = True
+
+    def set_pose(self, robot: int, pose: ArrayLike) -> None:
+        """Lift a robot and put it down, at rest, at a pose (x, y, yaw); its commands stay.
+
+        The way there does not count as gone. It may be put where it overlaps something: then
+        they are pushed apart, gently.
+        """
+        at = pose_of(pose)
+        record = self._record(robot)
+        self._physics.put(self._movables + robot, at)
+        record["x"], record["y"] = at[0], at[1]
+        self._rest(record)
+        self._show(robot, at)
+
+    def _rest(self, record: Any) -> None:
+        record["wanted_x"], record["wanted_y"], record["wanted_turn"] = 0.0, 0.0, 0.0
+
+    def _show(self, robot: int, pose: tuple[float, float, float]) -> None:
+        self._poses[robot] = pose[0], pose[1], float(wrapped(pose[2]))
+        self._velocities[robot] = 0.0
+        self._changed = True
+
+    def set_color(self, robot: int, color: int) -> None:
+        """Change a robot's colour (0xRRGGBB); bodies do not care, sensors and pictures do."""
+        self.colors[robot] = color
+
+    # --- commands
+
+    def command(self, robots: ArrayLike, twists: ArrayLike) -> None:
+        """Set what robots (k,) are to do until told otherwise: twists (k, 3) vx, vy, wz.
+
+        Metres and radians per second in the robot's frame, cut to the drive's limits: an
+        omnidirectional drive to max_speed in any direction; a differential drive ignores vy; a
+        car drives the circle of radius vx / wz, or the narrowest that it can steer.
+        """
+        which = np.atleast_1d(np.asarray(robots, dtype=np.int64))
+        records = self._robots[which]
+        commands.command_twists(records, twists)
+        self._robots[which] = records
+
+    def command_car(self, robot: int, speed: float, steering: float) -> None:
+        """Set a car's speed (m/s) and the angle of its front wheels (rad), cut to its limits.
+
+        The origin of a car's body is the middle of its rear axle: it drives a circle of radius
+        wheelbase / tan(steering). Raises ValueError for other drives.
+        """
+        record = self._record(robot)
+        model = self._models[self.model_names[robot]].drive
+        if record["kind"] != CAR or model is None or model.wheelbase is None:
+            raise ValueError(f"robot {self.names[robot]} has no steering")
+        commands.command_steering(record, speed, steering, model.wheelbase)
+
+    def command_position(
+        self, robot: int, pose: ArrayLike, speed: float = 0.0, turn_rate: float = 0.0
+    ) -> None:
+        """Send a robot to a pose (x, y, yaw; world), not around anything; there it stays.
+
+        speed (m/s) and turn_rate (rad/s) bound this journey; 0 stands for the drive's limits.
+        A differential drive turns towards the goal, drives until it is within 0.02 m, and turns
+        to the goal's yaw; an omnidirectional one does all at once; a car cannot: ValueError.
+        """
+        record = self._record(robot)
+        self._refuse_car(robot, record)
+        commands.command_pose(record, pose_of(pose), speed, turn_rate)
+
+    def command_heading(self, robot: int, speed: float, heading: float) -> None:
+        """Set a robot's speed (m/s) and the heading (rad, world) that it shall turn to and hold.
+
+        Raises ValueError for a car.
+        """
+        record = self._record(robot)
+        self._refuse_car(robot, record)
+        commands.command_heading(record, speed, heading)
+
+    def _refuse_car(self, robot: int, record: Any) -> None:
+        if record["kind"] == CAR:
+            name = self.names[robot]
+            raise ValueError(f"robot {name} is a car: it takes speeds and steering, not poses")
+
+    def motors(self, robot: int, on: bool) -> None:
+        """Switch a robot's motors; switched off it brakes and stands, whatever it is told."""
+        self._record(robot)["motors"] = on
+
+    # --- time
+
+    def tick(self) -> None:
+        """Let one interval of the clock go by.
+
+        A command takes effect one step of physics after the tick's beginning: Chipmunk moves
+        bodies with the velocities that it found in the step before.
+        """
+        physics, clear, count = self._physics, self._clearance, self._movables + self._count
+        movers, order, dt = self._movers, self._order, self._dt
+        if self._changed:
+            self._index()
+        if look_around(
+            physics.table.state, movers, count, order, clear.cells, clear.cell, self._interval
+        ):
+            self._attach()
+        for _ in range(self._steps):
+            state = physics.table.state
+            drive.want(state, movers, count, dt)
+            cuts = pieces(
+                state, movers, count, order, clear.cells, clear.cell, physics.outlines,
+                physics.sides, dt,
+            )  # fmt: skip
+            piece = dt / max(1, cuts)
+            drive.lead(state, physics.table.orders, movers, count, dt, piece)
+            physics.step(piece, max(1, cuts), self._touches if cuts else None)
+            drive.account(state, movers, count, dt)
+        drive.report(
+            physics.table.state, movers, self._movables, count, self._interval, self._poses,
+            self._velocities, self._distances, self._stalls,
+        )  # fmt: skip
+        self._touches.finish(self._contact_counts)
+
+    def _attach(self) -> None:
+        """Give joints to robots that may meet something, and take them from those far off."""
+        movers = self._movers[: self._movables + self._count]
+        driven, led, calm = movers["driven"], movers["control"] >= 0, movers["calm"]
+        for number in np.nonzero(driven & ~led & (calm == 0))[0].tolist():
+            self._physics.follow(number, True)
+        for number in np.nonzero(driven & led & (calm >= CALM))[0].tolist():
+            self._physics.follow(number, False)
+        self._index()
+
+    def _index(self) -> None:
+        self._physics.index(self._movers[: self._movables + self._count], self._touches)
+        self._changed = False
+
+    def _grow(self, needed: int) -> None:
+        """Make room for so many movers."""
+        if needed <= len(self._movers):
+            return
+
+        def longer(array: NDArray[Any]) -> NDArray[Any]:
+            return np.concatenate([array, np.zeros_like(array)])
+
+        self._movers, self._order = longer(self._movers), longer(self._order)
+        self._poses, self._velocities = longer(self._poses), longer(self._velocities)
+        self._distances, self._stalls = longer(self._distances), longer(self._stalls)
+        self._contact_counts = longer(self._contact_counts)
+
+    # --- what there is to see
+
+    @property
+    def _robots(self) -> NDArray[Any]:
+        return self._movers[self._movables : self._movables + self._count]
+
+    def _record(self, robot: int) -> Any:
+        if not 0 <= robot < self._count:
+            raise IndexError(f"there is no robot {robot}; the stage has {self._count}")
+        return self._movers[self._movables + robot]
+
+    @property
+    def count(self) -> int:
+        """Number of robots."""
+        return self._count
+
+    @property
+    def poses(self) -> Floats:
+        """(n, 3) x, y, yaw."""
+        return self._poses[: self._count]
+
+    @property
+    def velocities(self) -> Floats:
+        """(n, 3) vx, vy, wz in the robot's frame, as the bodies really move."""
+        return self._velocities[: self._count]
+
+    @property
+    def stalls(self) -> Bools:
+        """(n,) Whether each was kept from what it wanted to do in the latest tick.
+
+        Precisely: over the tick it was wanted to move faster than 0.01 m/s, and went less than
+        half of the wanted way along the wanted direction; or it was wanted to turn faster than
+        0.02 rad/s, and turned less than half of that. Wanted is what the limits of acceleration
+        leave of the command, so that speeding up is no stall.
+        """
+        return self._stalls[: self._count]
+
+    @property
+    def contact_counts(self) -> NDArray[np.int64]:
+        """(n,) How often each began to touch another body or a wall.
+
+        A pair counts in a tick in which it touches if it did not in the tick before. The walls
+        of a map are one thing, each wall of the boundary and each obstacle is another.
+        """
+        return self._contact_counts[: self._count]
+
+    @property
+    def distances(self) -> Floats:
+        """(n,) Metres that each has gone, driven or pushed."""
+        return self._distances[: self._count]
+
+    @property
+    def settled(self) -> Bools:
+        """(n,) Which are standing bodies."""
+        standing: Bools = self._robots["standing"]
+        return standing
+
+    @property
+    def contact_points(self) -> tuple[NDArray[np.int64], Floats]:
+        """Robots (k,) ascending, and points (k, 2) in the world, of the latest tick's contacts."""
+        return self._touches.robots, self._touches.points
+
+    @property
+    def touching(self) -> Bools:
+        """(n,) Which robots touched anything in the latest tick."""
+        found = np.zeros(self._count, dtype=np.bool_)
+        found[self._touches.pairs[0]] = True
+        return found
+
+    @property
+    def movable_poses(self) -> Floats:
+        """(m, 3) Poses of the movable obstacles, in the layout's order."""
+        poses = self._physics.poses(self._movables)
+        poses[:, 2] = wrapped(poses[:, 2])
+        return poses

@@ -1,0 +1,132 @@
+"""From metres to pixels: the size of a frame and where the world lies in it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.video.errors import VideoError
+
+LONG_SIDE = 840
+"""Pixels of a frame's longer side where no size is asked for."""
+SHORT_SIDE = 240
+"""Pixels that the shorter side has at least, so that the status line can be read."""
+SMALLEST, LARGEST = 64, 4096
+"""Sides that H.264 players take (level 5.1 ends at 4096)."""
+STRIP_HEIGHT = 26
+"""Pixels of the status line at the lower edge."""
+PADDING = 4
+"""Pixels between the outermost wall and the edge."""
+SHIFT = 4
+"""Fractional bits of the coordinates that OpenCV draws with: 1/16 pixel."""
+FARTHEST = 20_000.0
+"""Pixels: points farther outside are pulled in, so that no coordinate overflows."""
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Maps the world onto a frame of `width` x `height` pixels."""
+
+    width: int
+    height: int
+    scale: float
+    """Pixels per metre."""
+    left: float
+    """Column (pixel edges, not centres) of x = 0."""
+    bottom: float
+    """Row (pixel edges) of y = 0."""
+
+    def edges(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (..., 2) in metres to (column, row) on the scale of pixel edges."""
+        pixels = np.empty(points.shape)
+        np.multiply(points[..., 0], self.scale, out=pixels[..., 0])
+        np.multiply(points[..., 1], -self.scale, out=pixels[..., 1])
+        pixels[..., 0] += self.left
+        pixels[..., 1] += self.bottom
+        return pixels
+
+    def fixed(self, points: NDArray[np.float64]) -> NDArray[np.int32]:
+        """Points (..., 2) in metres to OpenCV's fixed-point coordinates (SHIFT bits).
+
+        OpenCV counts from the centre of a pixel, hence the half.
+        """
+        return to_fixed(self.edges(points))
+
+    @property
+    def field_height(self) -> int:
+        """Rows above the status line."""
+        return self.height - STRIP_HEIGHT
+
+
+def to_fixed(edges: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Pixel-edge coordinates (..., 2) to OpenCV's fixed-point ones; NaN goes far outside."""
+    # fmax and fmin, unlike clip, turn NaN into their other argument.
+    bounded = np.fmin(edges, FARTHEST)
+    np.fmax(bounded, -FARTHEST, out=bounded)
+    bounded -= 0.5
+    bounded *= 1 << SHIFT
+    return np.rint(bounded, out=bounded).astype(np.int32)
+
+
+def default_size(world: tuple[float, float]) -> tuple[int, int]:
+    """Width and height in pixels with the world's aspect: 640 x 840 for 16 x 21 m."""
+    longest = max(world)
+    sides = [max(SHORT_SIDE, 2 * round(LONG_SIDE * side / longest / 2)) for side in world]
+    return sides[0], sides[1]
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height of a text such as `640x840`; raises VideoError for any other."""
+    match = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+    if match is None:
+        raise VideoError(f"video size {text!r}: not WIDTHxHEIGHT in pixels, such as 640x840")
+    return check_size((int(match[1]), int(match[2])))
+
+
+def check_size(size: tuple[int, int]) -> tuple[int, int]:
+    """`size` itself; raises VideoError where no H.264 video can have it."""
+    width, height = size
+    if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
+        raise VideoError(
+            f"video size {width}x{height}: each side must be {SMALLEST} to {LARGEST} pixels"
+        )
+    if width % 2 or height % 2:
+        raise VideoError(
+            f"video size {width}x{height}: H.264 needs even numbers, "
+            f"such as {width + width % 2}x{height + height % 2}"
+        )
+    return width, height
+
+
+def project(
+    world: tuple[float, float],
+    outlines: Iterable[NDArray[np.float64]],
+    size: tuple[int, int],
+) -> Projection:
+    """The largest projection that shows the world and the walls around it above the status line.
+
+    Solids that reach out by more than a tenth of the world are cut, not followed.
+    """
+    reach = 0.1 * max(world)
+    low, high = np.zeros(2), np.array(world, dtype=float)
+    for outline in outlines:
+        low = np.minimum(low, outline.min(axis=0))
+        high = np.maximum(high, outline.max(axis=0))
+    low = np.maximum(low, -reach)
+    high = np.minimum(high, np.add(world, reach))
+    width, height = size
+    room = np.array([width - 2 * PADDING, height - STRIP_HEIGHT - 2 * PADDING], dtype=float)
+    extent = high - low
+    scale = float((room / extent).min())
+    corner = (room - extent * scale) / 2 + PADDING
+    return Projection(
+        width=width,
+        height=height,
+        scale=scale,
+        left=float(corner[0] - low[0] * scale),
+        bottom=float(corner[1] + high[1] * scale),
+    )

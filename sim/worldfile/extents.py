@@ -1,0 +1,56 @@
+"""What must go together in a world as a whole: size, region, paint layer and ports."""
+
+from __future__ import annotations
+
+from math import ceil
+
+from sim.worldfile.mistakes import Mistake
+from sim.worldfile.schema import World
+
+MOST_CELLS = 200_000_000
+"""Cells of the paint layer, of which each takes a few bytes."""
+
+MOST_PORT = 65535
+
+
+def size_mistakes(world: World, size: tuple[float, float]) -> list[Mistake]:
+    """What does not fit the world's size (width, height in m), that of its map if it has one."""
+    mistakes: list[Mistake] = []
+    width, height = size
+    slack = 1e-9 * max(size)
+    for x, y in world.region or ():
+        if not (-slack <= x <= width + slack and -slack <= y <= height + slack):
+            mistakes.append(
+                Mistake(
+                    ("region",),
+                    "a corner lies outside of the world",
+                    f"[{x:g}, {y:g}]",
+                    f"x from 0 to {width:g}, y from 0 to {height:g}",
+                )
+            )
+    cells = ceil(width / world.floor.resolution) * ceil(height / world.floor.resolution)
+    if cells > MOST_CELLS and any(model.actuators for model in world.models.values()):
+        mistakes.append(
+            Mistake(
+                ("floor", "resolution"),
+                f"the paint layer would have {cells:.3g} cells",
+                f"{world.floor.resolution:g}",
+                f"at most {MOST_CELLS:.3g} cells",
+            )
+        )
+    return mistakes
+
+
+def port_mistakes(world: World, robots: int) -> list[Mistake]:
+    """Ports of the robots that would lie beyond the last one."""
+    port = world.player.port
+    if not port or world.player.layout == "shared" or port + robots - 1 <= MOST_PORT:
+        return []
+    return [
+        Mistake(
+            ("player", "port"),
+            f"the last of {robots} robots would be at port {port + robots - 1}",
+            str(port),
+            f"at most {MOST_PORT + 1 - robots}, or layout: shared",
+        )
+    ]

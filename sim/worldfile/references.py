@@ -1,0 +1,117 @@
+"""What a world file names: models, controllers and their programs, doors and regions."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from sim.worldfile.mistakes import Mistake, listed, suggestion
+from sim.worldfile.programs import find_program, is_file_name, programs
+from sim.worldfile.salvage import Salvaged
+from sim.worldfile.schema import Controller
+
+
+def reference_mistakes(data: Mapping[str, Any], found: Salvaged, folder: Path) -> list[Mistake]:
+    """Names of models, controllers and files in a salvaged world that lead nowhere."""
+    world = found.world
+    assert world is not None
+    models, controllers = _names(data, "models"), _names(data, "controllers")
+    mistakes: list[Mistake] = []
+    sound: set[str] = set(controllers)  # a thousand robots often share a program
+    for part in ("robots", "doors"):
+        for position, entry in enumerate(getattr(world, part)):
+            where = (part, found.index((part,), position))
+            if entry.model not in models:
+                allowed = listed(models) if models else "nothing: there are no models"
+                mistakes.append(
+                    Mistake(
+                        (*where, "model"),
+                        f"there is no such model{suggestion(entry.model, models)}",
+                        entry.model,
+                        allowed,
+                    )
+                )
+            if entry.controller is not None and entry.controller not in sound:
+                wrong = _named_program(entry.controller, (*where, "controller"), controllers)
+                mistakes += wrong
+                if not wrong:
+                    sound.add(entry.controller)
+    for name, controller in world.controllers.items():
+        mistakes += _controller_mistakes(controller, ("controllers", name), folder)
+    return mistakes
+
+
+def _names(data: Mapping[str, Any], part: str) -> list[str]:
+    """The names under `models` or `controllers`, those of broken entries too."""
+    inside = data.get(part)
+    return [str(name) for name in inside] if isinstance(inside, Mapping) else []
+
+
+def _named_program(name: str, where: tuple[str | int, ...], named: Iterable[str]) -> list[Mistake]:
+    """A controller without an entry: one of Troupe's by that name, or a mistake."""
+    if is_file_name(name):
+        return [
+            Mistake(
+                where,
+                "a file is named under `controllers`, and here its entry",
+                name,
+                f"controllers: {{mine: {{program: {name}}}}}",
+            )
+        ]
+    if find_program(name) is not None:
+        return []
+    known = [*named, *programs()]
+    return [
+        Mistake(where, f"there is no such controller{suggestion(name, known)}", name, listed(known))
+    ]
+
+
+def _controller_mistakes(
+    controller: Controller, where: tuple[str | int, ...], folder: Path
+) -> list[Mistake]:
+    if controller.program is not None:
+        return _program_mistakes(controller.program, (*where, "program"), folder)
+    if controller.command is not None:
+        return _command_mistakes(controller.command[0], (*where, "command", 0), folder)
+    return []
+
+
+def _program_mistakes(program: str, where: tuple[str | int, ...], folder: Path) -> list[Mistake]:
+    if is_file_name(program):
+        path = folder / program
+        if path.is_dir():
+            return [Mistake(where, "is a folder, not a Python file", program)]
+        if not path.is_file():
+            return [Mistake(where, "there is no such file", program, f"a file, from {folder}")]
+        if not os.access(path, os.R_OK):
+            return [Mistake(where, "the file cannot be read", program)]
+        return []
+    if find_program(program) is not None:
+        return []
+    known = programs()
+    hint = suggestion(program, known)
+    if not hint and (folder / f"{program}.py").is_file():
+        hint = f"; did you mean ./{program}.py?"
+    allowed = f"{listed(known)}, or a Python file such as ./mine.py"
+    return [Mistake(where, f"there is no such program{hint}", program, allowed)]
+
+
+def _command_mistakes(executable: str, where: tuple[str | int, ...], folder: Path) -> list[Mistake]:
+    if "/" not in executable:
+        if not executable or shutil.which(executable) is None:
+            beside = (
+                "; did you mean ./" + executable + "?" if (folder / executable).is_file() else ""
+            )
+            return [Mistake(where, f"no such command is found on PATH{beside}", executable)]
+        return []
+    path = folder / executable
+    if not path.is_file():
+        return [
+            Mistake(where, "there is no such file", executable, f"an executable, from {folder}")
+        ]
+    if not os.access(path, os.X_OK):
+        return [Mistake(where, "the file is not executable", executable, f"chmod +x {path}")]
+    return []

@@ -1,0 +1,38 @@
+"""What the tests share: small worlds with controllers of their own."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+WORLD = """\
+size: [10, 10]
+duration: {duration}
+until: {until}
+models:
+  rover:
+    body: {{shape: box, size: [1, 1]}}
+    sensors: [{{type: laser, samples: 36}}]
+robots:
+  - {{name: one, model: rover, pose: [2, 5, 0], controller: mine}}
+  - {{name: two, model: rover, pose: [5, 5, 90], controller: other}}
+controllers:
+  mine: {{program: ./mine.py}}
+  other: {{program: wander}}
+"""
+
+
+@pytest.fixture
+def world_with(tmp_path: Path) -> Callable[..., Path]:
+    """A world of two robots: one driven by the given program, the other wandering."""
+
+    def make(program: str, *, duration: float = 3.0, until: str = "duration") -> Path:
+        (tmp_path / "mine.py").write_text(textwrap.dedent(program))
+        path = tmp_path / "world.yaml"
+        path.write_text(WORLD.format(duration=duration, until=until))
+        return path
+
+    return make

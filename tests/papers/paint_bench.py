@@ -1,0 +1,281 @@
+"""A bench for Paint without physics: square bodies that move as told, exact lasers and blobs.
+
+It judges by geometry of its own: overlaps of squares, the order by height, the painted floor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.paint.brain import Brain, Command, Reading, Settings
+from controllers.paint.geometry import Pose
+from sensors.rays import bearings_of, cast
+from sensors.scene import Scene
+
+INTERVAL = 0.1
+ACCELERATION = 2.0  # m/s2
+TURN_ACCELERATION = math.radians(360.0)
+SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+RED, GREEN = 0xFF0000, 0x00FF00
+
+
+class Blob(NamedTuple):
+    """A run of one colour in the image."""
+
+    color: int
+    left: int
+    right: int
+
+
+@dataclass
+class Outcome:
+    """What came of a run."""
+
+    time: float
+    finished: list[bool]
+    reports: list[dict[str, Any]]
+    failures: list[str | None]
+    poses: NDArray[np.float64]
+    starts: NDArray[np.float64]
+    contacts: int = 0
+    swaps: int = 0
+    coverage: float = 0.0
+    passes: float = 0.0
+    outside: float = 0.0  # m: farthest that anybody painted beyond its own strip
+    distance: list[float] = field(default_factory=list)
+    said: list[list[tuple[float, str]]] = field(default_factory=list)
+    trail: list[NDArray[np.float64]] = field(default_factory=list)
+
+
+def corners_of(pose: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The corners (4, 2) of a body in the world."""
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    return SQUARE @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
+
+
+def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """How deep two squares overlap (m): the least over the axes that could part them."""
+    if np.hypot(*(one[:2] - other[:2])) > 1.4143:
+        return 0.0
+    a, b = corners_of(one), corners_of(other)
+    least = math.inf
+    for heading in (one[2], one[2] + math.pi / 2, other[2], other[2] + math.pi / 2):
+        axis = np.array([math.cos(heading), math.sin(heading)])
+        pa, pb = a @ axis, b @ axis
+        least = min(least, min(pa.max(), pb.max()) - max(pa.min(), pb.min()))
+    return max(0.0, float(least))
+
+
+class Floor:
+    """The paint on the floor: a second, independent count of coverage and passes."""
+
+    def __init__(self, region: NDArray[np.float64], cell: float = 0.05) -> None:
+        size = region.max(axis=0)
+        columns, rows = (round(float(v) / cell) for v in size)
+        xs, ys = np.meshgrid((np.arange(columns) + 0.5) * cell, (np.arange(rows) + 0.5) * cell)
+        self.x, self.y = xs, ys
+        edges = np.roll(region, -1, axis=0) - region
+        self.inside = np.ones(xs.shape, bool)
+        for (px, py), (ex, ey) in zip(region, edges, strict=True):
+            self.inside &= ex * (ys - py) - ey * (xs - px) >= 0.0
+        self.visits = np.zeros(xs.shape, int)
+        self.under: dict[int, NDArray[np.bool_]] = {}
+        self.cell = cell
+
+    def spray(self, robot: int, pose: NDArray[np.float64], size: tuple[float, float]) -> None:
+        """One robot's sprayer at a pose."""
+        dx, dy = self.x - pose[0], self.y - pose[1]
+        cos, sin = math.cos(pose[2]), math.sin(pose[2])
+        now = (np.abs(cos * dx + sin * dy) <= size[0] / 2) & (
+            np.abs(cos * dy - sin * dx) <= size[1] / 2
+        )
+        before = self.under.get(robot)
+        self.visits += now & ~before if before is not None else now
+        self.under[robot] = now
+
+    def lift(self, robot: int) -> None:
+        """The sprayer is off."""
+        self.under.pop(robot, None)
+
+    def measures(self) -> tuple[float, float]:
+        """Coverage and passes."""
+        painted = (self.visits > 0) & self.inside
+        return float(painted.sum() / self.inside.sum()), float(
+            self.visits[painted].sum() / max(1, painted.sum())
+        )
+
+
+def blobs_of(colors: NDArray[np.int64]) -> list[Blob]:
+    """Runs of one colour, from the image's left; `colors` is per column, 0 for nothing."""
+    found = []
+    first = 0
+    for column in range(1, len(colors) + 1):
+        if column == len(colors) or colors[column] != colors[first]:
+            if colors[first]:
+                found.append(Blob(int(colors[first]), first, column - 1))
+            first = column
+    return found
+
+
+def run(
+    starts: NDArray[np.float64],
+    settings: Callable[[int], Settings],
+    region: NDArray[np.float64],
+    *,
+    duration: float = 1800.0,
+    seed: int = 0,
+    floor: bool = False,
+    trail: bool = False,
+) -> Outcome:
+    """Run robots that start at (n, 3) poses in a region until all have finished or failed."""
+    count = len(starts)
+    rng = np.random.default_rng([seed])
+    brains = [Brain(settings(i), np.random.default_rng([seed, i]).random) for i in range(count)]
+    scene = Scene()
+    walls = scene.add_entity(color=RED)
+    scene.add_segments(walls, np.hstack([region, np.roll(region, -1, axis=0)]))
+    for start in starts:
+        entity = scene.add_entity(color=GREEN, pose=start)
+        scene.add_polygon(entity, SQUARE)
+    poses = starts.astype(float).copy()
+    velocity = np.zeros((count, 3))
+    outcome = Outcome(
+        0.0, [False] * count, [{} for _ in starts], [None] * count, poses, starts.copy()
+    )
+    outcome.distance, outcome.said = [0.0] * count, [[] for _ in starts]
+    ground = Floor(region) if floor else None
+    order = np.lexsort((starts[:, 0], starts[:, 1]))
+    level = np.isclose(starts[order[1:], 1], starts[order[:-1], 1], rtol=0.0, atol=1e-9)
+    own = np.arange(1, count + 1)
+    fov = math.pi
+    bearings = bearings_of(fov, 180)
+    palette = np.array([0, RED, *[GREEN] * count], np.int64)
+    touching = np.zeros((count, count + 1), bool)
+    edges = np.roll(region, -1, axis=0) - region
+    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
+    limits = np.sum(normals * region, axis=1)
+    del rng
+    tick = 0
+    while tick * INTERVAL < duration and not all(
+        f or e for f, e in zip(outcome.finished, outcome.failures, strict=True)
+    ):
+        time = tick * INTERVAL
+        scene.poses[1:] = poses
+        scene.refresh()
+        ranges, _ = cast(scene, poses, own, fov, 180, 20.0)
+        _, hits = cast(scene, poses, own, fov, 160, 20.0)
+        wanted = np.zeros((count, 3))
+        for i, brain in enumerate(brains):
+            if outcome.finished[i] or outcome.failures[i]:
+                continue
+            dx, dy = poses[i, :2] - starts[i, :2]
+            cos, sin = math.cos(starts[i, 2]), math.sin(starts[i, 2])
+            yaw = math.remainder(poses[i, 2] - starts[i, 2], math.tau)
+            pose = Pose(cos * dx + sin * dy, cos * dy - sin * dx, yaw)
+            reading = Reading(
+                time, pose, ranges[i], bearings, 20.0, blobs_of(palette[hits[i, ::-1] + 1]), 160
+            )
+            command = brain.step(reading)
+            wanted[i] = _take(outcome, i, command, time)
+            if ground is not None:
+                if command.spray:
+                    ground.spray(i, poses[i], brain.settings.sprayer)
+                else:
+                    ground.lift(i)
+        steps = np.array([ACCELERATION, ACCELERATION, TURN_ACCELERATION]) * 0.02
+        for _ in range(5):
+            velocity += np.clip(wanted - velocity, -steps, steps)
+            cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+            move_x = (cos * velocity[:, 0] - sin * velocity[:, 1]) * 0.02
+            move_y = (sin * velocity[:, 0] + cos * velocity[:, 1]) * 0.02
+            poses[:, 0] += move_x
+            poses[:, 1] += move_y
+            poses[:, 2] += velocity[:, 2] * 0.02
+            for i in range(count):
+                outcome.distance[i] += math.hypot(move_x[i], move_y[i])
+        _judge(outcome, poses, touching, normals, limits)
+        heights = poses[order, 1]
+        if (heights[1:] < heights[:-1] - np.where(level, 1e-6, 0.0)).any():
+            outcome.swaps += 1
+        if trail:
+            outcome.trail.append(poses.copy())
+        tick += 1
+    outcome.time = tick * INTERVAL
+    if ground is not None:
+        outcome.coverage, outcome.passes = ground.measures()
+    return outcome
+
+
+def _take(outcome: Outcome, i: int, command: Command, time: float) -> tuple[float, float, float]:
+    outcome.reports[i].update(command.report)
+    if command.say is not None:
+        outcome.said[i].append((time, command.say))
+    outcome.finished[i] = command.finished
+    outcome.failures[i] = command.failure
+    if command.finished or command.failure:
+        return 0.0, 0.0, 0.0
+    return command.motion.ahead, command.motion.left, command.motion.turn
+
+
+def _judge(
+    outcome: Outcome,
+    poses: NDArray[np.float64],
+    touching: NDArray[np.bool_],
+    normals: NDArray[np.float64],
+    limits: NDArray[np.float64],
+) -> None:
+    count = len(poses)
+    for i in range(count):
+        hits_wall = bool((corners_of(poses[i]) @ normals.T < limits - 1e-9).any())
+        if hits_wall and not touching[i, count]:
+            outcome.contacts += 1
+        touching[i, count] = hits_wall
+        for j in range(i + 1, count):
+            hit = overlap(poses[i], poses[j]) > 0.0
+            if hit and not touching[i, j]:
+                outcome.contacts += 1
+            touching[i, j] = hit
+
+
+def random_starts(
+    rng: np.random.Generator,
+    count: int,
+    size: tuple[float, float],
+    margin: float,
+    headings: tuple[float, ...],
+    level: int = 0,
+) -> NDArray[np.float64]:
+    """Random poses (n, 3) whose bodies are `margin` from each other and the walls.
+
+    The first `level` of them stand on one height.
+    """
+    room = 0.5 + margin
+    while True:
+        xy = rng.uniform((room, room), (size[0] - room, size[1] - room), (count, 2))
+        xy[1:level, 1] = xy[0, 1] if level else 0.0
+        gaps = np.abs(xy[:, None, :] - xy[None, :, :]).max(axis=2) + 10.0 * np.eye(count)
+        if gaps.min() >= 1.0 + margin:
+            break
+    yaw = rng.choice(np.array(headings), count)
+    return np.column_stack([xy, yaw])
+
+
+def expected_goals(
+    starts: NDArray[np.float64], size: tuple[float, float], inset: float = 0.6
+) -> NDArray[np.float64]:
+    """The goals (n, 2) in the world that the paper gives, from the true starts."""
+    count = len(starts)
+    height = size[1] / count
+    goals = np.zeros((count, 2))
+    for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
+        if math.cos(starts[i, 2]) > 0.0:
+            goals[i] = inset, place * height + inset
+        else:
+            goals[i] = size[0] - inset, (place + 1) * height - inset
+    return goals

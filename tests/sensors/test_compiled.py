@@ -1,0 +1,59 @@
+"""Kernels compile anywhere, and never from an old source."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from numba.core import caching
+
+from sensors.compiled import compiled, forget_stale_code
+from sensors.rays import cast, cast_fans
+from sensors.scene import Scene
+
+
+def double(x: float) -> float:
+    return 2.0 * x
+
+
+def test_a_kernel_compiles_where_no_cache_can_be_written(monkeypatch):
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    assert compiled(double)(4.0) == 8.0
+
+
+def test_compiled_code_is_forgotten_when_any_source_of_the_package_changes(tmp_path):
+    cache = tmp_path / "__pycache__"
+    cache.mkdir()
+    source = tmp_path / "one.py"
+    source.write_text("x = 1")
+    forget_stale_code(tmp_path)
+    (cache / "one.nbi").write_text("index")
+    forget_stale_code(tmp_path)
+    assert (cache / "one.nbi").exists()
+    source.write_text("x = 12")
+    forget_stale_code(tmp_path)
+    assert not (cache / "one.nbi").exists()
+
+
+def test_a_folder_without_a_cache_is_left_alone(tmp_path):
+    forget_stale_code(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_machine_code_serves_all_calls():
+    """Each further signature would cost seconds on the first call with it."""
+    scene = Scene()
+    cast(scene, [[0, 0, 0]], [-1], 1.0, 3, 5.0)
+    scene.add_segments(scene.add_entity(), [[1, -1, 1, 1]])
+    scene.refresh()
+    cast(scene, [(0, 0, 0), (1, 2, 3)], [-1, 0], 1, 3, 5)
+    assert len(cast_fans.signatures) == 1
+
+
+def test_importing_a_colour_does_not_import_numba():
+    code = "import sys, sensors.colors; sys.exit('numba' in sys.modules)"
+    root = Path(__file__).resolve().parents[2]
+    environment = os.environ | {"PYTHONPATH": str(root)}
+    assert (
+        subprocess.run([sys.executable, "-c", code], check=False, env=environment).returncode == 0
+    )

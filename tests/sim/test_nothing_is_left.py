@@ -1,0 +1,135 @@
+"""However a run ends, two seconds later none of its processes is alive."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.processes import all_gone, environment, marked, troupe_command
+
+World = Callable[..., Path]
+
+LOOP = """
+from player import PlayerClient, Position2dProxy
+with PlayerClient() as robot:
+    base = Position2dProxy(robot)
+    print("ready", flush=True)
+    while robot.read():
+        base.set_speed(0.1)
+"""
+STUBBORN = """
+import signal
+signal.signal(signal.SIGTERM, signal.SIG_IGN)
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+print("ready", flush=True)
+while True:
+    pass
+"""
+
+
+class Run:
+    """A run in a process of its own, every process of which carries a mark."""
+
+    def __init__(self, path: Path, *words: str) -> None:
+        self.mark = uuid.uuid4().hex
+        self.process = subprocess.Popen(
+            troupe_command("run", str(path), "--duration", "100000", "--json", *words),
+            env=environment(TROUPE_TEST_MARK=self.mark),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def until_ready(self) -> None:
+        """Wait until the controller has said so."""
+        assert self.process.stderr is not None
+        for line in self.process.stderr:
+            if "ready" in line:
+                return
+        raise AssertionError("the run ended before its controller was ready")
+
+    def children(self) -> dict[str, list[psutil.Process]]:
+        """The fork server, and the controllers."""
+        found = [p for p in marked(self.mark) if p.pid != self.process.pid]
+        servers = [p for p in found if p.ppid() == self.process.pid]
+        return {"server": servers, "controllers": [p for p in found if p not in servers]}
+
+
+@pytest.fixture
+def start(world_with: World) -> Iterator[Callable[..., Run]]:
+    runs: list[Run] = []
+
+    def begin(program: str = LOOP, *words: str) -> Run:
+        runs.append(Run(world_with(program, until="duration"), *words))
+        return runs[-1]
+
+    yield begin
+    for run in runs:
+        run.process.kill()
+        run.process.communicate()
+        for process in marked(run.mark):
+            process.kill()
+
+
+@pytest.mark.parametrize("program", [LOOP, STUBBORN])
+def test_the_simulator_is_killed(start: Callable[..., Run], program: str) -> None:
+    run = start(program)
+    run.until_ready()
+    assert len(run.children()["controllers"]) == 2
+    run.process.kill()
+    assert all_gone(run.mark)
+
+
+def test_the_fork_server_is_killed(start: Callable[..., Run]) -> None:
+    run = start()
+    run.until_ready()
+    (server,) = run.children()["server"]
+    server.kill()
+    out, _ = run.process.communicate(timeout=20)
+    assert run.process.returncode == 1
+    assert '"failed"' in out
+    assert "fork server" in out
+    assert all_gone(run.mark)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("program", [LOOP, STUBBORN])
+def test_it_is_interrupted_in_the_middle_and_tells_what_it_had(
+    start: Callable[..., Run], program: str, number: int
+) -> None:
+    run = start(program)
+    run.until_ready()
+    os.kill(run.process.pid, number)
+    out, err = run.process.communicate(timeout=20)
+    assert run.process.returncode == 130
+    assert '"outcome": "interrupted"' in out
+    assert "Traceback" not in err
+    assert all_gone(run.mark)
+
+
+@pytest.mark.parametrize("delay", [0.05, 0.2, 0.5, 0.9])
+def test_it_is_interrupted_in_the_first_second(start: Callable[..., Run], delay: float) -> None:
+    # the delay only chooses where in the start-up the signal falls; no result depends on it
+    run = start()
+    time.sleep(delay)
+    os.kill(run.process.pid, signal.SIGINT)
+    _, err = run.process.communicate(timeout=20)
+    assert run.process.returncode in (130, -signal.SIGINT)
+    assert all_gone(run.mark)
+    if run.process.returncode == 130:
+        assert "Traceback" not in err
+
+
+def test_it_ends_by_itself(start: Callable[..., Run]) -> None:
+    run = start(STUBBORN, "--duration", "1", "--patience", "0.3")
+    out, _ = run.process.communicate(timeout=30)
+    assert '"hung"' in out
+    assert all_gone(run.mark)

@@ -1,0 +1,107 @@
+"""`troupe run`: what it prints where, and its exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.processes import environment, troupe_command
+
+
+def troupe(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        troupe_command(*words),
+        env=environment(),
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+
+
+def test_a_world_that_comes_with_troupe_runs_by_name_from_anywhere(tmp_path: Path) -> None:
+    done = troupe("run", "wander", "--duration", "2", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)  # nothing but the result on standard output
+    assert result["outcome"] == "completed"
+    assert result["sim_time"] == 2.0
+    assert result["ticks"] == 20
+    assert set(result) == {
+        "world", "seed", "outcome", "sim_time", "wall_time", "speed", "ticks", "digest", "robots",
+        "floor", "doors",
+    }  # fmt: skip
+    robot = result["robots"][0]
+    assert set(robot) == {
+        "name", "model", "entered", "start", "pose", "distance", "stalls", "contacts",
+        "controller", "devices", "properties", "said",
+    }  # fmt: skip
+    assert robot["controller"] == {"state": "running", "exit_code": None, "error": None}
+    assert robot["devices"] == ["position2d:0", "laser:0"]
+    assert set(result["floor"]) == {"coverage", "painted_area", "passes"}
+    assert result["digest"].startswith("sha256:")
+
+
+def test_the_plain_summary_names_every_robot() -> None:
+    done = troupe("run", "wander", "--duration", "1")
+    assert done.returncode == 0
+    for name in ("rover1", "rover2", "rover3", "rover4", "x real time", "sha256:"):
+        assert name in done.stdout
+
+
+def test_quiet_says_nothing_but_the_result(tmp_path: Path) -> None:
+    (tmp_path / "loud.py").write_text("print('noise')")
+    (tmp_path / "w.yaml").write_text(
+        "size: [5, 5]\nduration: 1\nmodels: {r: {body: {shape: circle, radius: 0.3}}}\n"
+        "robots: [{model: r, pose: [2, 2, 0], controller: loud}]\n"
+        "controllers: {loud: {program: ./loud.py}}\n"
+    )
+    loud = troupe("run", str(tmp_path / "w.yaml"), "--json")
+    quiet = troupe("run", str(tmp_path / "w.yaml"), "--json", "--quiet")
+    assert "[r1] noise" in loud.stderr
+    assert quiet.stderr == ""
+    assert json.loads(quiet.stdout)["outcome"] == "completed"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["run", "nowhere.yaml"], "no such world"),
+        (["run", "wander", "--set", "models.rover.drive.max_sped=1"], "did you mean max_speed?"),
+        (["run", "wander", "--set", "size"], "size"),
+        (["run", "wander", "--duration", "-1"], "duration"),
+        (["run", "wander", "--duration", "nan"], "duration"),
+        (["run", "wander", "--seed", "-3"], "seed"),
+        (["run", "wander", "--video", "run.avi"], ".mp4"),
+        (["run", "wander", "--video", "/no/such/folder/run.mp4"], "/no/such/folder"),
+        (["run", "wander", "--video", "x.mp4", "--video-size", "big"], "640x840"),
+        (["run", "wander", "--listen", "6665x"], "HOST:PORT"),
+        (["run", "wander", "--patience", "0"], "patience"),
+        (["run"], "WORLD"),
+        (["walk"], "walk"),
+        (["run", "wander", "--sed", "1"], "--sed"),
+    ],
+)
+def test_bad_usage_is_told_and_ends_with_2(words: list[str], says: str, tmp_path: Path) -> None:
+    done = troupe(*words, cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_reaches_its_time_limit_ends_with_1() -> None:
+    done = troupe("run", "wander", "--duration", "1", "--set", "until=controllers", "--json")
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["outcome"] == "time_limit"
+
+
+def test_help_tells_every_command() -> None:
+    done = troupe("--help")
+    assert done.returncode == 0
+    for command in ("run", "check", "schema", "sensors", "disperse"):
+        assert command in done.stdout

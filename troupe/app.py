@@ -1,0 +1,43 @@
+"""All commands of `troupe`, put together."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from troupe import __version__
+from troupe.check import check
+from troupe.disperse import disperse
+from troupe.run_command import run
+from troupe.schema import schema
+from troupe.sensors_command import sensors
+
+app = typer.Typer(
+    help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def show_version(wanted: bool) -> None:
+    if wanted:
+        print(f"troupe {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show it.")
+    ] = False,
+) -> None:
+    """What every command has in common."""
+
+
+app.command("run")(run)
+app.command("check")(check)
+app.command("schema")(schema)
+app.command("sensors")(sensors)
+app.command("disperse")(disperse)

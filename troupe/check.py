@@ -1,0 +1,58 @@
+"""`troupe check`: are these world files in order? All mistakes of each, with their places."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from typing import Annotated
+
+import typer
+
+from sim.worldfile import LoadedWorld, WorldError, load
+from troupe.worlds import find_world
+
+
+def check(
+    worlds: Annotated[
+        list[str], typer.Argument(metavar="WORLD...", help="Files, or names of shipped worlds.")
+    ],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A value laid upon the files; repeatable."),
+    ] = None,
+) -> None:
+    """Check world files: one line for each that is in order, all mistakes of the others.
+
+    Exit code 2 if there is any mistake.
+    """
+    refused = False
+    for world in worlds:
+        try:
+            path = find_world(world)
+            loaded = load(path, settings=settings or ())
+        except WorldError as error:
+            print(error, file=sys.stderr)
+            refused = True
+        else:
+            print(f"{path}: ok ({summary(loaded)})")
+    if refused:
+        raise typer.Exit(2)
+
+
+def summary(loaded: LoadedWorld) -> str:
+    """What is in a world, in a line: robots, doors, size, models' sensors."""
+    width, height = loaded.layout.size
+    parts = [_counted(len(loaded.robots), "robot")]
+    if loaded.layout.doors:
+        parts.append(_counted(len(loaded.layout.doors), "door"))
+    parts.append(f"{width:g} x {height:g} m")
+    if loaded.world.obstacles:
+        parts.append(_counted(len(loaded.world.obstacles), "obstacle"))
+    drivers = Counter(robot.controller or "no controller" for robot in loaded.robots)
+    drivers.update(door.controller or "no controller" for door in loaded.layout.doors)
+    parts += [f"controller {name}" if name != "no controller" else name for name in drivers]
+    return ", ".join(parts)
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -1,0 +1,109 @@
+"""`troupe import`: a world file of Stage's, and a configuration file of Player's, become ours."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from troupe.stagefile import Converted, Note, StageError, convert
+from troupe.stagefile.notes import HEADINGS
+
+
+def import_(
+    world: Annotated[Path, typer.Argument(metavar="FILE.world", help="A world file of Stage's.")],
+    cfg: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE.cfg]",
+            help="Player's configuration file: ports, indices, which ranger is a laser.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="WORLD.yaml",
+            help="Where to write it. [default: FILE.yaml in the current folder]",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Write over files that exist.")] = False,
+) -> None:
+    """Turn a world of Stage's into a world file, and list what could not be carried over.
+
+    The list names file and line. Exit code 0: the world file is written and in order; 1: it is
+    written, but something in it must be mended by hand; 2: the input has a mistake, or a file
+    is in the way.
+    """
+    target = output if output is not None else Path(f"{world.stem}.yaml")
+    try:
+        converted = convert(str(world), None if cfg is None else str(cfg), target)
+        write(converted, target, force)
+    except (StageError, OSError) as error:
+        print(error, file=sys.stderr)
+        raise typer.Exit(2) from None
+    mistakes = mistakes_in(target)
+    print("\n".join([*report(converted.notes), "", f"{target}: {verdict(target, mistakes)}"]))
+    for mistake in mistakes:
+        print(mistake, file=sys.stderr)
+    raise typer.Exit(1 if mistakes else 0)
+
+
+def write(converted: Converted, target: Path, force: bool) -> None:
+    """Write the world file and the images beside it. Raises FileExistsError unless `force`."""
+    from troupe.stagefile.bitmap import write_png  # noqa: PLC0415  (loads OpenCV)
+
+    for path in (target, *converted.images):
+        if path.exists() and not force:
+            raise FileExistsError(f"{path}: exists already (--force writes over it, -o elsewhere)")
+    for path, walls in converted.images.items():
+        write_png(path, walls)
+    target.write_text(converted.text, encoding="utf-8")
+
+
+def mistakes_in(target: Path) -> list[str]:
+    """What is wrong with a world file, also with where its robots stand."""
+    from sim.worldfile import WorldError, load  # noqa: PLC0415  (loads the compiled kernels)
+
+    try:
+        loaded = load(target)
+        loaded.place(loaded.world.seed)
+    except WorldError as error:
+        return [str(mistake) for mistake in error.mistakes]
+    return []
+
+
+def verdict(target: Path, mistakes: Sequence[str]) -> str:
+    """What came out, in a line."""
+    if not mistakes:
+        return f"written and in order (troupe run {target})"
+    return f"written, but {len(mistakes)} thing(s) in it must be mended by hand"
+
+
+MOST_ALIKE = 3
+"""Lines that say the same of different places; of more, as of a hundred robots, the first one
+stands for all."""
+
+
+def report(notes: Sequence[Note]) -> list[str]:
+    """The notes as lines under headings."""
+    lines: list[str] = []
+    for kind, group in itertools.groupby(notes, key=lambda note: note.kind):
+        lines += [*([""] if lines else []), f"{HEADINGS[kind]}:"]
+        alike: dict[str, list[Note]] = {}
+        for note in group:
+            alike.setdefault(note.what, []).append(note)
+        for same in alike.values():
+            if len(same) <= MOST_ALIKE:
+                lines += [f"  {note}" for note in same]
+            else:
+                places = f"{len(same)} places in all, the last {same[-1].place.file}:"
+                lines.append(f"  {same[0]} ({places}{same[-1].place.line})")
+    return lines or ["everything was carried over"]

@@ -1,0 +1,150 @@
+"""`troupe run`: run a world, show progress, print the result."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from troupe.show import Screen
+from troupe.summary import summary
+
+
+def run(
+    world: Annotated[
+        str, typer.Argument(metavar="WORLD", help="A world file, or the name of one of Troupe's.")
+    ],
+    seed: Annotated[
+        int | None, typer.Option(help="All that is random follows from it.", show_default=False)
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Simulated seconds at most.", show_default=False)
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change the world, as in models.rover.drive.max_speed=0.3. May be repeated.",
+        ),
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print the result as one JSON object.")
+    ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="No progress, no controllers' output; the result only.")
+    ] = False,
+    video: Annotated[
+        Path | None, typer.Option(metavar="FILE.mp4", help="Make a video of the run.")
+    ] = None,
+    video_fps: Annotated[
+        float | None, typer.Option(help="Frames per second of video. [default: 25]")
+    ] = None,
+    video_speed: Annotated[
+        float | None, typer.Option(help="Simulated seconds per second of video. [default: 10]")
+    ] = None,
+    video_size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels. [default: the world's shape, 840 at the most]"),
+    ] = None,
+    realtime: Annotated[
+        float | None,
+        typer.Option(
+            metavar="FACTOR", help="Hold the run to the wall clock: 1 is real time. [default: no]"
+        ),
+    ] = None,
+    listen: Annotated[
+        str | None,
+        typer.Option(metavar="HOST:PORT", help="Let Player clients connect over TCP."),
+    ] = None,
+    patience: Annotated[
+        float, typer.Option(help="Wall-clock seconds that a controller may hold up the others.")
+    ] = 60.0,
+) -> None:
+    """Run a world to its end and print what came out of it.
+
+    Exit code 0: completed; 1: ended short (time limit, a controller failed, hung or was lost);
+    2: bad usage or a bad world file; 130: interrupted.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        code = run_and_print(
+            world, seed, duration, set_ or [], as_json, quiet, video, video_fps, video_speed,
+            video_size, realtime, listen, patience,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        code = 130
+    raise typer.Exit(code)
+
+
+def run_and_print(
+    world: str,
+    seed: int | None,
+    duration: float | None,
+    settings: list[str],
+    as_json: bool,
+    quiet: bool,
+    video: Path | None,
+    video_fps: float | None,
+    video_speed: float | None,
+    video_size: str | None,
+    realtime: float | None,
+    listen: str | None,
+    patience: float,
+) -> int:
+    """The exit code of a run; mistakes are told on standard error."""
+    from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
+    from troupe.running import run_file  # noqa: PLC0415
+
+    screen = Screen(quiet)
+    try:
+        with screen:
+            result = run_file(
+                world,
+                seed=seed,
+                duration=duration,
+                settings=settings,
+                realtime=realtime,
+                listen=None if listen is None else parse_listen(listen),
+                patience=patience,
+                video=video,
+                video_fps=video_fps,
+                video_speed=video_speed,
+                video_size=None if video_size is None else parse_size(video_size),
+                say=screen.say,
+                each_tick=screen.progress,
+            )
+    except (WorldError, VideoError, FileNotFoundError, ValueError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(error.strerror or error, file=sys.stderr)
+        return 2
+    if as_json:
+        json.dump(result.as_json(), sys.stdout)
+        print()
+    else:
+        print(summary(result, video))
+    return result.exit_code
+
+
+def parse_listen(text: str) -> tuple[str, int]:
+    """`HOST:PORT`, or a port alone, as (host, port); raises ValueError."""
+    host, _, port = text.rpartition(":")
+    if not port.isdecimal() or not 0 <= int(port) <= 65535:
+        raise ValueError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
+    return host.strip("[]") or "127.0.0.1", int(port)
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """`640x840` as (640, 840); raises ValueError."""
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.strip().isdecimal() and height.strip().isdecimal()):
+        raise ValueError(f"--video-size {text}: must be WIDTHxHEIGHT in pixels, such as 640x840")
+    return int(width), int(height)

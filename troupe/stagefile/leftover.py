@@ -1,0 +1,116 @@
+"""Properties that nobody has read: each is named, as lost or as of no use here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from troupe.stagefile.notes import Notes
+from troupe.stagefile.syntax import Entity, Property
+
+WINDOW = "concerns Stage's window"
+UNNEEDED = {
+    "threads": "a run gives the same result on any number of cores",
+    "resolution": "geometry is exact here",
+    "map_resolution": "geometry is exact here",
+    "speedup": "`troupe run --realtime FACTOR` holds a run to the clock",
+    "paused": WINDOW,
+    "show_clock": WINDOW,
+    "show_clock_interval": WINDOW,
+    "confirm_on_quit": WINDOW,
+    "debug": WINDOW,
+    "alwayson": "what nobody reads costs nothing here",
+    "event_queue": "a run gives the same result on any number of cores",
+    "stack_children": "heights of sensors have no effect here",
+    "blob_return": "Stage itself does not look at it",
+    "localization_origin": "Stage itself does not look at it where the robot has gps",
+    "odom_error": "a robot with gps has no odometry",
+    "wheelbase": "only a car has one",
+}
+"""Why a property can be done without."""
+
+LOST = {
+    "say": "what is said belongs to programs (Player's speech)",
+    "friction": "Stage's friction slows what is pushed; here `friction` is Coulomb's coefficient",
+    "joules": "energy is not simulated",
+    "joules_capacity": "energy is not simulated",
+    "kjoules": "energy is not simulated",
+    "kjoules_capacity": "energy is not simulated",
+    "watts": "energy is not simulated",
+    "give_watts": "energy is not simulated",
+    "take_watts": "energy is not simulated",
+    "update_interval": "every device gives data once per clock.interval",
+    "fiducial_key": "every finder sees every fiducial (a finder's `ids` can choose)",
+    "gripper_return": "there are no grippers",
+    "ranger_return": "rangers see everything, and measure no intensities",
+    "obstacle_return": "everything that is here is solid",
+    "fiducial_return": "only robots carry fiducials",
+    "velocity": "what stands, stands still until it is pushed",
+    "mass": "only what moves has a mass",
+    "boundary": "a robot has no boundary",
+    "colors_count": "there are no colors",
+}
+"""What is missing with a property."""
+
+NO_CHANGE = {
+    "alwayson": 0.0,
+    "boundary": 0.0,
+    "fiducial_key": 0.0,
+    "fiducial_return": 0.0,
+    "friction": 0.0,
+    "gripper_return": 0.0,
+    "noblocks": 0.0,
+    "obstacle_return": 1.0,
+    "ranger_return": 1.0,
+    "stack_children": 1.0,
+    "update_interval": 100.0,
+    "velocity": 0.0,
+    "watts": 0.0,
+}
+"""Values that say no more than the property's absence."""
+
+WINDOW_PREFIXES = ("gui_", "trail_", "show_", "window")
+
+
+def note_leftovers(entities: Iterable[Entity], notes: Notes) -> None:
+    """Note every property of these entities and of those within that is not used."""
+    for entity in entities:
+        for key, found in entity.properties.items():
+            if key not in entity.used:
+                _note(entity, key, found, notes)
+        if entity.type == "window":
+            notes.unneeded(entity.place, f"window: {WINDOW}")
+            continue
+        note_leftovers(entity.children, notes)
+
+
+def _note(entity: Entity, key: str, found: Property, notes: Notes) -> None:
+    if entity.type == "window":
+        return
+    default = NO_CHANGE.get(key)
+    if default is not None and all(value == default for value in found.values):
+        return
+    place = found.place
+    if key == "ctrl":
+        library = str(found.values[0]).split()[0] if found.values else ""
+        notes.lost(place, _controller(library))
+    elif key in UNNEEDED:
+        notes.unneeded(place, f"{key}: {UNNEEDED[key]}")
+    elif key.startswith(WINDOW_PREFIXES):
+        notes.unneeded(place, f"{key}: {WINDOW}")
+    elif key in LOST:
+        notes.lost(place, f"{key}: {LOST[key]}")
+    else:
+        notes.lost(place, f"{key}: no property of {entity.type} that is known here")
+
+
+def _controller(library: str) -> str:
+    from sim.worldfile.programs import find_program  # noqa: PLC0415
+
+    if library.isidentifier() and find_program(library):
+        advice = f"`controller: {library}` is a program of ours of that name"
+    else:
+        advice = (
+            "write a Player client, and name it: "
+            f"`controllers: {{{library or 'mine'}: {{program: ./{library or 'mine'}.py}}}}`"
+        )
+    return f'ctrl "{library}": a library of Stage, not a program; {advice}'
