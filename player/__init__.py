@@ -18,7 +18,6 @@ from player.errors import (
     ProtocolError,
     XdrError,
 )
-from player.messages import Blob, BumperSegment, Fiducial
 from player.proxies import (
     BlobfinderProxy,
     BumperProxy,
@@ -36,6 +35,7 @@ from player.proxies import (
     Size,
     SpeechProxy,
 )
+from player.table import Blob, BumperSegment, Fiducial
 from player.xdr import Pose2d, Pose3d
 
 __all__ = [

@@ -5,16 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
-from collections.abc import Callable, Mapping
-from time import monotonic
-from typing import TYPE_CHECKING, Any, Literal, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
 from player import messages
 from player.codes import (
     ANY,
-    BANNER_SIZE,
     DEFAULT_PORT,
     Access,
     DataMode,
@@ -24,10 +22,10 @@ from player.codes import (
     PlayerRequest,
     Replace,
 )
-from player.environment import Place, find_place, release
-from player.errors import PlayerDisconnected, PlayerRefused, PlayerTimeout, ProtocolError
-from player.header import Message, MessageReader, pack_message
-from player.transport import hurry, quick_acknowledge
+from player.environment import Place, find_place
+from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
+from player.header import Message, pack_message
+from player.link import Deadline, Link
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -36,11 +34,14 @@ if TYPE_CHECKING:
 DEFAULT_TIMEOUT = 5.0
 """Wall-clock seconds that a server over TCP has for an answer, as in Player's own client."""
 
-RECEIVE_SIZE = 1 << 18
 FLUSH_SIZE = 1 << 16
 _PLAYER = DeviceAddr(Interface.PLAYER, 0)
 _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = map(int, MessageType)
 _REQUEST_DATA = pack_message(Interface.PLAYER, 0, _REQ, PlayerRequest.DATA)
+
+
+def _data() -> str:
+    return "data"
 
 
 class PlayerClient:
@@ -80,8 +81,6 @@ class PlayerClient:
         """The seed of this robot in this run, from PLAYER_SEED; 0 if there is none."""
         self.time = 0.0
         """Simulated time of the last reading, seconds."""
-        self.ending = ""
-        """Why the run is over for this client; "" while it is not."""
         self.stray = 0
         """Replies that nobody was waiting for, dropped."""
         self.timeout: float | None
@@ -91,36 +90,35 @@ class PlayerClient:
             self.timeout = timeout
         self.read_timeout = read_timeout
         self._rng: np.random.Generator | None = None
-        self._reader = MessageReader()
         self._proxies: list[Proxy] = []
         self._routes: dict[tuple[int, ...], list[Proxy]] = {}
         self._out: list[bytes] = []
         self._out_size = 0
-        self._stored: list[Message] = []
+        self._stored: list[Message] = []  # data that came while a reply was waited for
         self._asked = False
         self._acknowledged = False
         self._closed = False
         self._mode = DataMode.PUSH  # a server's first state
-        self._waits: float | None = None
-        if place.sock is not None:
-            self.address = "the inherited socket"
-            self._socket = place.sock
-            self._tcp = False
-        else:
-            self.address = f"{place.host}:{place.port}"
-            self._socket = self._connect(place.host, place.port)
-            self._tcp = True
+        self._link = Link(place, self.timeout)
+        self.banner = self._link.banner
+        """What the server said first, such as `Player v.3.1.1-dev`."""
         try:
-            self._socket.settimeout(None)
-            self.banner = self._receive_banner()
-            """What the server said first, such as `Player v.3.1.1-dev`."""
             self.set_data_mode(mode)
             if replace:
                 self.add_replace_rule()
         except BaseException:
-            release(self._socket)
-            self._socket.close()
+            self._link.close()
             raise
+
+    @property
+    def address(self) -> str:
+        """Where the server is: host and port, or "the inherited socket"."""
+        return self._link.address
+
+    @property
+    def ending(self) -> str:
+        """Why the run is over for this client; "" while it is not."""
+        return self._link.ending
 
     def __repr__(self) -> str:
         return f"<PlayerClient of {self.address}{', ' + self.ending if self.ending else ''}>"
@@ -145,9 +143,9 @@ class PlayerClient:
         try:
             return self._read_round() if self._mode is DataMode.PULL else self._read_pushed()
         except PlayerDisconnected:
-            if self._reader.buffered:
-                raise  # in the middle of a message
-            return False
+            if self._link.clean:
+                return False
+            raise
 
     def flush(self) -> None:
         """Sends queued commands now, without waiting for the next `read`.
@@ -155,7 +153,7 @@ class PlayerClient:
         Raises PlayerDisconnected if the server has gone.
         """
         if not self._send_queued():
-            self._end(f"{self.address} closed the connection")
+            self._link.end()
 
     def rng(self) -> np.random.Generator:
         """This robot's random generator, seeded by the run's seed: the same one at each call."""
@@ -209,8 +207,7 @@ class PlayerClient:
             with contextlib.suppress(PlayerDisconnected, OSError):
                 self.flush()
         self._closed = True
-        release(self._socket)
-        self._socket.close()
+        self._link.close()
 
     def __enter__(self) -> Self:
         return self
@@ -288,10 +285,10 @@ class PlayerClient:
             spec = messages.find(addr.interf, _REQ, subtype)
             return f"{spec.name if spec else subtype} of {addr}"
 
-        deadline = None if self.timeout is None else monotonic() + self.timeout
+        deadline = Deadline(self.timeout, name)
         expected = (*addr, subtype)
         while True:
-            got = self._next(deadline, self.timeout, name)
+            got = self._link.next(deadline)
             if got.type in (_DATA, _SYNCH):
                 self._stored.append(got)
             elif self._is_data_ack(got):
@@ -318,9 +315,9 @@ class PlayerClient:
             self._out.append(_REQUEST_DATA)
             self._asked = True
             self._send_queued()
-        deadline = self._deadline()
+        deadline = Deadline(self.read_timeout if self._acknowledged else self.timeout, _data)
         while True:
-            message = self._next(deadline, self._limit(), lambda: "data")
+            message = self._link.next(deadline)
             type_ = message.type
             if type_ == _DATA:
                 self._dispatch(message)
@@ -330,36 +327,29 @@ class PlayerClient:
             elif self._is_data_ack(message) and not self._acknowledged:
                 self._acknowledged = True
                 self.time = message.time  # in case the round holds no data
-                deadline = self._deadline()
+                deadline = Deadline(self.read_timeout, _data)
             elif type_ == _NACK and self._is_data_reply(message):
                 self._asked = False
                 raise PlayerRefused(f"{self.address} refused to send data")
             else:
                 self.stray += 1
 
-    def _limit(self) -> float | None:
-        return self.read_timeout if self._acknowledged else self.timeout
-
-    def _deadline(self) -> float | None:
-        limit = self._limit()
-        return None if limit is None else monotonic() + limit
-
     def _read_pushed(self) -> bool:
         stored, self._stored = self._stored, []
         self._send_queued()
         found = False
-        deadline = None if self.read_timeout is None else monotonic() + self.read_timeout
+        deadline = Deadline(self.read_timeout, _data)
         message: Message | None
         for message in stored:
             if message.type == _DATA:
                 self._dispatch(message)
                 found = True
         while True:
-            message = self._reader.take()
+            message = self._link.waiting()
             if message is None:
                 if found:
                     return True
-                message = self._next(deadline, self.read_timeout, lambda: "data")
+                message = self._link.next(deadline)
             if message.type == _DATA:
                 self._dispatch(message)
                 found = True
@@ -378,94 +368,14 @@ class PlayerClient:
         for proxy in self._routes.get(message[2:4], ()):
             proxy.take(message.subtype, message.payload, message.time)
 
-    def _next(
-        self, deadline: float | None, limit: float | None, name: Callable[[], str]
-    ) -> Message:
-        while True:
-            message = self._reader.take()
-            if message is not None:
-                return message
-            self._reader.feed(self._receive(deadline, limit, name))
-
-    # -- bytes ------------------------------------------------------------------------------
-
-    def _connect(self, host: str, port: int) -> socket.socket:
-        try:
-            sock = socket.create_connection((host, port), timeout=self.timeout)
-        except TimeoutError:
-            raise PlayerTimeout(
-                f"{self.address} did not take the connection within {self.timeout:g} s"
-            ) from None
-        except OSError as error:
-            raise PlayerDisconnected(
-                f"cannot connect to a Player server at {self.address}: {error.strerror or error} "
-                "(is it running, and is this its port?)"
-            ) from None
-        hurry(sock)
-        return sock
-
-    def _receive_banner(self) -> str:
-        deadline = None if self.timeout is None else monotonic() + self.timeout
-        banner = b""
-        while len(banner) < BANNER_SIZE:
-            banner += self._receive(deadline, self.timeout, lambda: "the banner", BANNER_SIZE)
-            if not b"Player".startswith(banner[:6]):
-                raise ProtocolError(f"{self.address} is no Player server: it said {banner[:32]!r}")
-        self._reader.feed(banner[BANNER_SIZE:])
-        return banner[:BANNER_SIZE].split(b"\0")[0].decode("ascii", "replace")
-
-    def _receive(
-        self,
-        deadline: float | None,
-        limit: float | None,
-        name: Callable[[], str],
-        size: int = RECEIVE_SIZE,
-    ) -> bytes:
-        waits: float | None = None
-        if deadline is not None:
-            waits = max(deadline - monotonic(), 1e-3)
-        if waits != self._waits:
-            self._socket.settimeout(waits)
-            self._waits = waits
-        try:
-            data = self._socket.recv(size)
-        except TimeoutError:
-            raise PlayerTimeout(
-                f"{self.address} did not answer within {limit:g} s ({name()})"
-            ) from None
-        except ConnectionResetError:
-            data = b""  # it closed without having read all that was sent
-        except OSError as error:
-            self._end(f"the connection to {self.address} broke: {error.strerror}")
-        if not data:
-            self._end(f"{self.address} closed the connection")
-        if self._tcp:
-            quick_acknowledge(self._socket)
-        return data
-
     def _send_queued(self) -> bool:
-        """Sends; False if the server has closed: what is received then is its last words."""
+        """Sends what is queued; False if the server has closed."""
         if not self._out:
             return True
         data = b"".join(self._out)
         self._out.clear()
         self._out_size = 0
-        if self._waits is not None:
-            self._socket.settimeout(None)
-            self._waits = None
-        try:
-            self._socket.sendall(data)
-        except (BrokenPipeError, ConnectionResetError):
-            return False
-        except OSError as error:
-            self._end(f"the connection to {self.address} broke: {error.strerror}")
-        return True
-
-    def _end(self, reason: str) -> Any:
-        self.ending = reason
-        if self._reader.buffered:
-            reason += f" in the middle of a message ({self._reader.buffered} bytes of it came)"
-        raise PlayerDisconnected(reason)
+        return self._link.send(data)
 
 
 __all__ = ["DEFAULT_PORT", "DEFAULT_TIMEOUT", "PlayerClient"]

@@ -6,7 +6,7 @@ import os
 import socket
 import stat
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from player.codes import DEFAULT_PORT
 from player.errors import PlayerDisconnected
@@ -16,14 +16,13 @@ DEFAULT_HOST = "127.0.0.1"
 _taken: set[int] = set()
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """A server's address, or a socket that is connected to it already."""
 
     host: str = DEFAULT_HOST
     port: int = DEFAULT_PORT
     sock: socket.socket | None = None
-    index: int = 0
+    index: int = 0  # type: ignore[assignment]  # of a device, not tuple's method
     seed: int = 0
 
 

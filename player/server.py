@@ -45,6 +45,7 @@ class Connection:
     """One client: its session and its socket. Made by `Server`."""
 
     __slots__ = (
+        "_deaf",
         "_mask",
         "_paused",
         "_server",
@@ -67,6 +68,7 @@ class Connection:
         self.is_open = True
         self._server = server
         self._socket = sock
+        self._deaf = False  # nobody reads at the other end any more
         self._unsent: memoryview | None = None
         self._paused = False  # bytes are left unread in the session until it has been written
         self._mask = 0
@@ -135,7 +137,8 @@ class Server:
     ) -> Connection:
         """Serves `directory` on one end of a socket pair; `peer` names the client in messages.
 
-        The socket belongs to the server from now on. The banner goes out with the first `flush` or `poll`.
+        The socket belongs to the server from now on. The banner goes out with the next `flush`
+        or `poll`.
         """
         connection = self._add(sock, directory, patient, peer or "a socket pair", 0)
         return connection
@@ -211,7 +214,7 @@ class Server:
         sock.setblocking(False)
         session = Session(directory, patient=patient)
         connection = Connection(self, sock, session, peer, port)
-        session.notify = lambda: self._ready.__setitem__(connection, None)
+        session.on_output(lambda: self._ready.__setitem__(connection, None))
         self._ready[connection] = None
         self.connections.add(connection)
         self._select(connection, selectors.EVENT_READ)
@@ -294,7 +297,7 @@ class Server:
     def _write(self, connection: Connection) -> None:
         session = connection.session
         unsent = connection._unsent
-        while True:
+        while not connection._deaf:
             if unsent is None:
                 data = session.outgoing()
                 if not data:
@@ -304,9 +307,11 @@ class Server:
                 sent = connection._socket.send(unsent)
             except (BlockingIOError, InterruptedError):
                 sent = 0
-            except OSError as error:
-                self._lose(connection, f"the connection broke: {error.strerror}")
-                return
+            except OSError:
+                # It has closed; what it said before that is still to be read, up to its end.
+                connection._deaf = True
+                connection._unsent = None
+                break
             if sent < len(unsent):
                 connection._unsent = unsent[sent:]
                 # A client that asks and does not read is not read from until it does.
@@ -316,6 +321,8 @@ class Server:
             if connection._unsent is None:
                 break  # all that the session had
             connection._unsent = unsent = None
+        if connection._deaf:
+            session.outgoing()
         self._select(connection, selectors.EVENT_READ)
 
     def _lose(self, connection: Connection, reason: str) -> None:

@@ -14,12 +14,9 @@ the protocol. Rules of the queue after Player's TCP server:
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from player import messages
 from player.codes import (
-    ANY,
-    BANNER,
     QUEUE_LIMIT,
     Access,
     DataMode,
@@ -27,13 +24,39 @@ from player.codes import (
     Interface,
     MessageType,
     PlayerRequest,
-    Replace,
     Synch,
 )
 from player.directory import Directory
 from player.errors import ProtocolError, XdrError
+from player.events import (
+    Command,
+    DataRequested,
+    Event,
+    Ignored,
+    Malformed,
+    ModeChanged,
+    Request,
+    Subscribed,
+    Unsubscribed,
+)
 from player.header import HEADER, Message, MessageReader
+from player.outbox import Outbox
 from player.xdr import Values
+
+__all__ = [
+    "BACKLOG_LIMIT",
+    "MAX_REQUEST",
+    "Command",
+    "DataRequested",
+    "Event",
+    "Ignored",
+    "Malformed",
+    "ModeChanged",
+    "Request",
+    "Session",
+    "Subscribed",
+    "Unsubscribed",
+]
 
 MAX_REQUEST = 1 << 20
 """Largest payload that a client may send, bytes: far above any request, 65 thousand points."""
@@ -41,80 +64,9 @@ MAX_REQUEST = 1 << 20
 BACKLOG_LIMIT = 1 << 20
 """Bytes of replies that may wait to be written before no further request is looked at."""
 
-MAX_RULES = 256
-"""Replace rules that one client may add."""
-
 _PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
 
-
-class Subscribed(NamedTuple):
-    """The client has subscribed a device (for the first time, or again after a close)."""
-
-    addr: DeviceAddr
-
-
-class Unsubscribed(NamedTuple):
-    """The client has closed its last subscription of a device."""
-
-    addr: DeviceAddr
-
-
-class Command(NamedTuple):
-    """A command to an existing device; `name` is the table's (`velocity`). Never answered."""
-
-    addr: DeviceAddr
-    subtype: int
-    message: Values
-    name: str
-
-
-class Request(NamedTuple):
-    """A request to an existing device: exactly one of `acknowledge` and `refuse` is due."""
-
-    addr: DeviceAddr
-    subtype: int
-    message: Values
-    name: str
-    number: int
-    seq: int
-
-
-class DataRequested(NamedTuple):
-    """The client waits for the next data. `served`: there was some, and it has gone out."""
-
-    served: bool
-
-
-class ModeChanged(NamedTuple):
-    """The client has chosen to be sent data (push) or to ask for it (pull)."""
-
-    mode: DataMode
-
-
-class Ignored(NamedTuple):
-    """A message that Player would warn about and pass over: no such device or command."""
-
-    reason: str
-
-
-class Malformed(NamedTuple):
-    """The bytes are not the protocol: the connection is to be closed."""
-
-    reason: str
-
-
-Event = (
-    Subscribed
-    | Unsubscribed
-    | Command
-    | Request
-    | DataRequested
-    | ModeChanged
-    | Ignored
-    | Malformed
-)
-
-_Kind = tuple[int, int, int]  # interface, index, subtype of data
+_ASKED_OF_US = frozenset((_CMD, _REQ))
 
 
 class Session:
@@ -122,7 +74,6 @@ class Session:
 
     `patient`: the answer to REQ DATA is held back until data goes out with it, in one write. Not
     for clients of Player's own library, whose requests time out after five seconds.
-    `notify`, if given, is called whenever `outgoing` starts to have something to say.
     """
 
     def __init__(
@@ -132,31 +83,20 @@ class Session:
         patient: bool = False,
         limit: int = QUEUE_LIMIT,
         max_request: int = MAX_REQUEST,
-        notify: Callable[[], None] | None = None,
     ) -> None:
         self.directory = directory
         self.patient = patient
-        self.limit = limit
         self.mode = DataMode.PUSH
         self.subscribed: dict[DeviceAddr, int] = {}
         """Subscribed devices, and how often each."""
         self.waiting = False
         """The client has asked for data and not been served yet."""
-        self.dropped = 0
-        """Messages lost to a full queue since the last SYNCH."""
         self.broken = False
         """Malformed bytes have come: nothing is read any more."""
         self.closed = False
         """`close` has been called."""
-        self.notify = notify
         self._reader = MessageReader(max_request)
-        self._out: list[bytes] = [BANNER]
-        self._backlog = len(BANNER)
-        self._queue: dict[int, bytes] = {}
-        self._number = 0
-        self._latest: dict[_Kind, int] = {}
-        self._rules: list[tuple[int, int, int, int, int]] = []
-        self._rule_of: dict[_Kind, int] = {}
+        self._outbox = Outbox(limit)
         self._open_round = False
         self._held_ack = False
         self._pending: dict[int, Request] = {}
@@ -176,7 +116,7 @@ class Session:
         if data:
             self._reader.feed(data)
         try:
-            while self._backlog <= BACKLOG_LIMIT:
+            while self._outbox.backlog <= BACKLOG_LIMIT:
                 message = self._reader.take()
                 if message is None:
                     break
@@ -189,16 +129,21 @@ class Session:
     @property
     def backlog(self) -> int:
         """Bytes that `outgoing` would give now."""
-        return self._backlog
+        return self._outbox.backlog
+
+    @property
+    def dropped(self) -> int:
+        """Messages lost to a full queue since the last SYNCH."""
+        return self._outbox.dropped
 
     @property
     def stalled(self) -> bool:
         """True if received bytes are left unread until the backlog has been written."""
-        return self._backlog > BACKLOG_LIMIT
+        return self._outbox.backlog > BACKLOG_LIMIT
 
     def _handle(self, message: Message, events: list[Event]) -> None:
         interf, index, type_, subtype = message[2:6]
-        if type_ not in (_CMD, _REQ):
+        if type_ not in _ASKED_OF_US:
             if interf == _PLAYER:
                 self._reply(message, _NACK)
             else:
@@ -255,7 +200,7 @@ class Session:
         elif subtype == PlayerRequest.DATAMODE:
             self._change_mode(message, values["mode"], events)
         elif subtype == PlayerRequest.ADD_REPLACE_RULE:
-            accepted = self._add_rule(values)
+            accepted = self._outbox.add_rule(values)
             self._reply(message, _ACK if accepted else _NACK)
         else:
             self._reply(message, _NACK)  # authentication and names: Player has neither
@@ -312,27 +257,12 @@ class Session:
             if self._held_ack:
                 self._release_ack()
             self.waiting = False
-            self._release_queue()
+            self._outbox.release()
         events.append(ModeChanged(self.mode))
-
-    def _add_rule(self, values: Values) -> bool:
-        if values["replace"] not in iter(Replace):
-            return False
-        rule = (*(values[name] for name in ("interf", "index", "type", "subtype", "replace")),)
-        for position, other in enumerate(self._rules):
-            if other[:4] == rule[:4]:
-                self._rules[position] = rule
-                break
-        else:
-            if len(self._rules) >= MAX_RULES:
-                return False
-            self._rules.append(rule)
-        self._rule_of.clear()
-        return True
 
     def _ask(self, message: Message, events: list[Event]) -> None:
         if self.mode is not DataMode.PULL:
-            self._emit(self._header(message, _ACK))
+            self._outbox.say(self._header(message, _ACK))
             return
         if self._held_ack:
             self._release_ack()  # asked twice: each request has its one answer
@@ -340,8 +270,8 @@ class Session:
         if self.patient:
             self._held_ack = True
         else:
-            self._emit(self._header(message, _ACK))
-        served = bool(self._queue) and not self._open_round
+            self._outbox.say(self._header(message, _ACK))
+        served = bool(self._outbox) and not self._open_round
         if served:
             self._serve()
         events.append(DataRequested(served))
@@ -386,8 +316,8 @@ class Session:
             request.seq,
             len(payload),
         )
-        self._release_queue()
-        self._emit(header + payload)
+        self._outbox.release()
+        self._outbox.say(header + payload)
 
     @property
     def pending(self) -> list[Request]:
@@ -395,8 +325,8 @@ class Session:
         return list(self._pending.values())
 
     def _reply(self, message: Message, type_: int, payload: bytes = b"") -> None:
-        self._release_queue()
-        self._emit(self._header(message, type_, len(payload)) + payload)
+        self._outbox.release()
+        self._outbox.say(self._header(message, type_, len(payload)) + payload)
 
     def _header(self, message: Message, type_: int, size: int = 0) -> bytes:
         directory = self.directory
@@ -436,61 +366,37 @@ class Session:
             len(payload),
         )
         self._open_round = True
-        queue = self._queue
-        self._number += 1
-        if self._rules:
-            kind = (interf, index, subtype)
-            rule = self._rule_of.get(kind)
-            if rule is None:
-                rule = self._find_rule(kind)
-            if rule == Replace.IGNORE:
-                return
-            if rule == Replace.REPLACE:
-                queue.pop(self._latest.get(kind, 0), None)
-                self._latest[kind] = self._number
-        if len(queue) >= self.limit:
-            self.dropped += 1
-            return
-        queue[self._number] = header + payload
-
-    def _find_rule(self, kind: _Kind) -> int:
-        interf, index, subtype = kind
-        found = int(Replace.ACCEPT)
-        for rule in self._rules:
-            wanted = zip(rule[:4], (interf, index, _DATA, subtype), strict=True)
-            if all(part in (ANY, value) for part, value in wanted):
-                found = rule[4]
-                break
-        self._rule_of[kind] = found
-        return found
+        self._outbox.queue((interf, index, subtype), header + payload)
 
     def end_of_round(self) -> None:
         """All data of a tick has been published: it goes out if the client has asked for it."""
         self._open_round = False
-        if not self._queue:
+        if not self._outbox:
             return
         if self.waiting:
             self._serve()
-        elif self.mode is DataMode.PUSH and self.notify is not None:
-            self.notify()
+        elif self.mode is DataMode.PUSH:
+            self._outbox.wake()
 
     def _serve(self) -> None:
         """The queue goes out, then a SYNCH; the client is not waiting any more."""
         if self._held_ack:
             self._release_ack()
-        self._release_queue()
-        if self.dropped:
-            payload = messages.encode(_PLAYER, _SYNCH, 2, dropped=min(self.dropped, 0xFFFFFFFF))
-            self._emit(HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OVERFLOW, 0.0, 0, 4) + payload)
-            self.dropped = 0
+        self._outbox.release()
+        dropped = self._outbox.dropped
+        if dropped:
+            payload = messages.encode(_PLAYER, _SYNCH, 2, dropped=min(dropped, 0xFFFFFFFF))
+            header = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OVERFLOW, 0.0, 0, len(payload))
+            self._outbox.say(header + payload)
+            self._outbox.dropped = 0
         else:
-            self._emit(_SYNCH_OK)
+            self._outbox.say(_SYNCH_OK)
         self.waiting = False
 
     def _release_ack(self) -> None:
         directory = self.directory
         self._held_ack = False
-        self._emit(
+        self._outbox.say(
             HEADER.pack(
                 directory.wire_host,
                 directory.port,
@@ -504,41 +410,25 @@ class Session:
             )
         )
 
-    def _release_queue(self) -> None:
-        if self._queue:
-            for chunk in self._queue.values():
-                self._emit(chunk)
-            self._queue.clear()
-            self._latest.clear()
+    def on_output(self, notify: Callable[[], None]) -> None:
+        """Calls `notify` from now on whenever `outgoing` starts to have something to say."""
+        self._outbox.notify = notify
 
-    def _emit(self, chunk: bytes) -> None:
-        if self.closed:
-            return
-        if not self._out and self.notify is not None:
-            self.notify()
-        self._out.append(chunk)
-        self._backlog += len(chunk)
+    def outgoing(self) -> bytes:
+        """Takes the bytes that are to be written now; b"" if there are none.
+
+        To be called when they can be written: in push mode data waits in the bounded queue
+        until then.
+        """
+        if self.mode is DataMode.PUSH and not self._open_round:
+            self._outbox.release()
+        return self._outbox.take()
 
     def close(self) -> None:
         """The client is gone: nothing is kept for it any more; `subscribed` stays to be read."""
         self.closed = self.broken = True
         self.waiting = False
-        self.notify = None
-        self._queue.clear()
-        self._latest.clear()
-        self._out.clear()
-        self._backlog = 0
-
-    def outgoing(self) -> bytes:
-        """Takes the bytes that are to be written now; b"" if there are none."""
-        if self.mode is DataMode.PUSH and self._queue and not self._open_round:
-            self._release_queue()
-        if not self._out:
-            return b""
-        data = b"".join(self._out)
-        self._out.clear()
-        self._backlog = 0
-        return data
+        self._outbox.close()
 
 
 _SYNCH_OK = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,8 +22,7 @@ Values = dict[str, Any]
 _COUNTS = struct.Struct(">II")
 
 
-@dataclass(frozen=True, slots=True)
-class Scalar:
+class Scalar(NamedTuple):
     """A number: `code` is its struct code on the wire, `top` its largest value if narrower."""
 
     code: str
@@ -39,8 +37,7 @@ F32 = Scalar("f")
 F64 = Scalar("d")
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
+class Record(NamedTuple):
     """A group of scalars of fixed size; decodes to `make(*numbers)`, a named tuple."""
 
     make: Callable[..., tuple[Any, ...]]
@@ -58,8 +55,7 @@ class Record:
         return len({scalar.code for scalar in self.scalars}) == 1
 
 
-@dataclass(frozen=True, slots=True)
-class Array:
+class Array(NamedTuple):
     """A dynamic array, decoded to numpy in native byte order.
 
     Of scalars: shape (n,). Of homogeneous records: (n, k). Of mixed records: (n,), structured.
@@ -68,15 +64,13 @@ class Array:
     element: Scalar | Record
 
 
-@dataclass(frozen=True, slots=True)
-class Octets:
+class Octets(NamedTuple):
     """A dynamic array of bytes, at most `top` of them (0: no limit but the message's size)."""
 
     top: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """A C string, `top` bytes at most; it travels with its NUL unless `nul` is False.
 
     A NUL at the end is taken off when it is read, either way. Bytes that are not UTF-8 are read as

@@ -76,6 +76,7 @@ def sense_bumps(settings: BumperSettings, view: View, readings: Bits) -> None:
             wanted,
             view.robots,
             view.origins,
+            np.searchsorted(view.robots, contacts.robots),
             np.ascontiguousarray(contacts.robots, np.int64),
             np.ascontiguousarray(contacts.points, np.float64),
             readings.arcs,
@@ -88,14 +89,15 @@ def _close(
     wanted: Flags,
     robots: Ints,
     origins: Floats,
+    first_rows: Ints,
     touching: Ints,
     points: Floats,
     arcs: Floats,
 ) -> None:
-    """Close the switches that touch; robots (n,) ascend, as a batch's robots do."""
+    """Close the switches that touch: robot touching[c] at points[c], with its first row."""
     turn = 2.0 * math.pi
     for c in range(touching.shape[0]):
-        j = np.searchsorted(robots, touching[c])
+        j = first_rows[c]
         while j < robots.shape[0] and robots[j] == touching[c]:
             if wanted[j]:
                 bearing = (

@@ -48,20 +48,31 @@ def sense_fiducials(settings: FiducialSettings, view: View, readings: Fiducials)
     marked = np.flatnonzero((scene.fiducials != 0) & ~scene.hidden)
     if settings.ids:
         marked = marked[np.isin(scene.fiducials[marked], _looked_for(settings.ids))]
-    rows, targets, distances, lines = _candidates(
-        scene.poses,
-        marked,
-        view.origins,
-        view.entities,
-        view.rows,
-        readings.fov,
-        settings.range,
-    )
+    pairs = np.empty((16 + 4 * len(view.rows), 2), np.int64)
+    lines = np.empty((len(pairs), 4))
+    while True:
+        count = _candidates(
+            scene.poses,
+            marked,
+            view.origins,
+            view.entities,
+            view.rows,
+            readings.fov,
+            settings.range,
+            pairs,
+            lines,
+        )
+        if count <= len(pairs):
+            break
+        pairs, lines = np.empty((count, 2), np.int64), np.empty((count, 4))
+    rows, targets, distances = pairs[:count, 0], pairs[:count, 1], lines[:count, 3]
     readings.counts[view.rows] = 0
-    if not len(rows):
+    if count == 0:
         return
     # One ray each, a little longer than the way, so that a thing whose edge is its centre is hit.
-    ranges, hits = cast(scene, lines, view.entities[rows], 0.0, 1, 1.01 * settings.range)
+    ranges, hits = cast(
+        scene, lines[:count, :3], view.entities[rows], 0.0, 1, 1.01 * settings.range
+    )
     clear = (hits[:, 0] == targets) | (ranges[:, 0] >= distances)
     rows, targets, distances = rows[clear], targets[clear], distances[clear]
     if not len(rows):
@@ -92,11 +103,15 @@ def _candidates(
     rows: Ints,
     fov: float,
     max_range: float,
-) -> tuple[Ints, Ints, Floats, Floats]:
-    """Pairs of a row and a marked entity within range and fov: rows, entities, distances (k,),
-    and (k, 3) lines of sight: the sensor's place, and the heading to the entity."""
-    found = np.empty((max(4 * len(rows), 16), 2), np.int64)
-    lines = np.empty((found.shape[0], 4))
+    pairs: Ints,
+    lines: Floats,
+) -> int:
+    """Find the pairs of a row and a marked entity within range and fov.
+
+    Writes `pairs` (k, 2) row, entity, and `lines` (k, 4) the lines of sight: the sensor's x and y,
+    the heading to the entity and the distance; as many as there is room for. Returns how many
+    there are.
+    """
     count = 0
     for j in rows:
         x, y, heading = origins[j, 0], origins[j, 1], origins[j, 2]
@@ -112,16 +127,9 @@ def _candidates(
             bearing -= 2.0 * math.pi * math.floor((bearing + math.pi) / (2.0 * math.pi))
             if abs(bearing) > 0.5 * fov + 1e-12:  # 1e-12: rounding of the bearing at the very side
                 continue
-            if count == found.shape[0]:
-                found = np.concatenate((found, np.empty_like(found)))
-                lines = np.concatenate((lines, np.empty_like(lines)))
-            found[count, 0], found[count, 1] = j, entity
-            lines[count, 0], lines[count, 1], lines[count, 2] = x, y, toward
-            lines[count, 3] = math.sqrt(square)
+            if count < pairs.shape[0]:
+                pairs[count, 0], pairs[count, 1] = j, entity
+                lines[count, 0], lines[count, 1] = x, y
+                lines[count, 2], lines[count, 3] = toward, math.sqrt(square)
             count += 1
-    return (
-        found[:count, 0].copy(),
-        found[:count, 1].copy(),
-        lines[:count, 3].copy(),
-        lines[:count, :3].copy(),
-    )
+    return count

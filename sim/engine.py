@@ -8,8 +8,10 @@ somebody watches.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -53,6 +55,7 @@ class Engine:
     say: Callable[[str], None]
     ticks: int = 0
     interrupted: bool = False
+    began: float = 0.0
     settling: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
@@ -103,9 +106,15 @@ class Engine:
         """Simulated seconds; a multiple of the interval, not a sum of steps."""
         return self.ticks * self.interval
 
+    @property
+    def speed(self) -> float | None:
+        """Simulated seconds per wall-clock second so far: for people, not for results."""
+        passed = perf_counter() - self.began
+        return self.time / passed if self.ticks and passed > 0 else None
+
     def run(self, each_tick: Callable[[Engine], None] | None = None) -> Result:
         """Run to the end; the result. Whatever happens, no process is left afterwards."""
-        began = perf_counter()
+        self.began = perf_counter()
         outcome: Outcome = "interrupted"
         try:
             self.enter_first()
@@ -119,7 +128,7 @@ class Engine:
                     each_tick(self)
                 self.keep_pace()
             outcome = ended
-            wall_time = perf_counter() - began
+            wall_time = perf_counter() - self.began
         finally:
             self.crew.dismiss()
         return self.result(outcome, wall_time)
@@ -240,6 +249,7 @@ class Engine:
 
     def result(self, outcome: Outcome, wall_time: float) -> Result:
         """The run in numbers."""
+        self.context.carry_out()  # what was said after the last tick counts as well
         stage, floor = self.scenery.stage, self.scenery.floor
         for robot, record in enumerate(self.context.records):
             x, y, yaw = map(float, stage.poses[robot])
@@ -247,7 +257,7 @@ class Engine:
             record.distance = float(stage.distances[robot])
             record.contacts = int(stage.contact_counts[robot])
         return Result(
-            world=str(self.loaded.path),
+            world=label(self.loaded.path),
             seed=self.settings.seed,
             outcome=outcome,
             sim_time=round(self.time, 9),
@@ -261,3 +271,10 @@ class Engine:
                 for cell, steps in zip(self.loaded.layout.doors, self.doors.steps, strict=True)
             ],
         )
+
+
+def label(path: Path) -> str:
+    """How a result names its world: relative to the current folder where it lies below it."""
+    with contextlib.suppress(ValueError):
+        return str(path.resolve().relative_to(Path.cwd()))
+    return str(path)

@@ -9,17 +9,13 @@ import numpy as np
 
 from sensors.readings import Scans
 from sim.stage.geometry import outline, placed
-from sim.video.view import Backdrop, Drawing, FrameView, Scan
+from sim.video.view import MOST_SCANS, Backdrop, Drawing, FrameView, Scan
 
 if TYPE_CHECKING:
     from sim.engine import Engine
     from sim.stage.layout import Layout
     from sim.video.recorder import Recorder
     from sim.worldfile import LoadedWorld
-
-MAX_FANS = 40
-"""Robots whose lasers are drawn: more fans than that hide everything else."""
-
 
 def open_recorder(
     path: Path,
@@ -33,7 +29,13 @@ def open_recorder(
     from sim.video.recorder import FPS, SPEED, Recorder  # noqa: PLC0415 - loads OpenCV
 
     backdrop = backdrop_of(loaded.layout, loaded.world.name or loaded.path.stem)
-    return Recorder(path, backdrop, fps=fps or FPS, speed=speed or SPEED, size=size)
+    return Recorder(
+        path,
+        backdrop,
+        fps=FPS if fps is None else fps,
+        speed=SPEED if speed is None else speed,
+        size=size,
+    )
 
 
 def backdrop_of(layout: Layout, title: str) -> Backdrop:
@@ -78,9 +80,10 @@ class Film:
                 (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
                 for m in engine.loaded.layout.movables
             ]
-        paints = bool(engine.sprayers.mounts)
+        paints = scenery.floor.painted_area > 0.0
         return FrameView(
             time=engine.time,
+            speed=engine.speed,
             poses=scenery.stage.poses,
             colors=np.array(context.colors, np.int64),
             coverage=scenery.floor.coverage if paints else None,
@@ -98,9 +101,9 @@ class Film:
         fans: list[Scan] = []
         for group in engine.scenery.suite.groups:
             readings = group.readings
-            if not isinstance(readings, Scans) or len(group.rows) > MAX_FANS:
+            if not isinstance(readings, Scans):
                 continue
-            for row in group.rows:
+            for row in group.rows[:MOST_SCANS]:
                 fans.append(
                     Scan(
                         int(group.robots[row]),

@@ -7,7 +7,6 @@ import signal
 import socket
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.engine import Engine, Settings
@@ -87,9 +86,3 @@ def interruptible(engine: Engine) -> Iterator[None]:
         reading.close()
         writing.close()
 
-
-def world_label(path: Path) -> str:
-    """How a result names its world: relative to the current folder where that is shorter."""
-    with contextlib.suppress(ValueError):
-        return str(path.resolve().relative_to(Path.cwd()))
-    return str(path)

@@ -42,7 +42,9 @@ def check(
 def summary(loaded: LoadedWorld) -> str:
     """What is in a world, in a line: robots, doors, size, models' sensors."""
     width, height = loaded.layout.size
-    parts = [_counted(len(loaded.robots), "robot")]
+    parts = []
+    if loaded.robots or not loaded.layout.doors:
+        parts.append(_counted(len(loaded.robots), "robot"))
     if loaded.layout.doors:
         parts.append(_counted(len(loaded.layout.doors), "door"))
     parts.append(f"{width:g} x {height:g} m")

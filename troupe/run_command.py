@@ -99,6 +99,7 @@ def run_and_print(
 ) -> int:
     """The exit code of a run; mistakes are told on standard error."""
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.video.projection import parse_size  # noqa: PLC0415
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
 
@@ -141,10 +142,3 @@ def parse_listen(text: str) -> tuple[str, int]:
         raise ValueError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
     return host.strip("[]") or "127.0.0.1", int(port)
 
-
-def parse_size(text: str) -> tuple[int, int]:
-    """`640x840` as (640, 840); raises ValueError."""
-    width, cross, height = text.lower().partition("x")
-    if not (cross and width.strip().isdecimal() and height.strip().isdecimal()):
-        raise ValueError(f"--video-size {text}: must be WIDTHxHEIGHT in pixels, such as 640x840")
-    return int(width), int(height)

@@ -15,7 +15,7 @@ from sim.worldfile.models import Sprayer
 
 def sensors() -> None:
     """Print the sensors and actuators, their settings, defaults and units."""
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     for entry in describe():
         console.print(_table("sensor", entry["name"], entry["summary"], entry["settings"]))
     rows = [
@@ -33,23 +33,21 @@ def sensors() -> None:
 
 
 def _table(kind: str, name: str, summary: str, settings: list[dict[str, Any]]) -> Table:
-    table = Table(
-        title=f"{kind} [bold]{name}[/bold]: {summary}", box=box.SIMPLE, title_justify="left"
-    )
+    table = Table(title=f"{kind} {name}: {summary}", box=box.SIMPLE, title_justify="left")
     for heading in ("setting", "default", "unit", "what it is"):
         table.add_column(heading, overflow="fold")
     for row in settings:
-        default = "(required)" if row["required"] else _text(row["default"], row["unit"])
+        default = "(required)" if row["required"] else _text(row["default"])
         table.add_row(row["name"], default, row["unit"], row["description"])
     return table
 
 
-def _text(value: Any, unit: str) -> str:
+def _text(value: Any) -> str:
     """A default as a world file would write it."""
     if value is None:
         return "null"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, tuple | list):
-        return "\\[" + ", ".join(_text(item, unit) for item in value) + "]"
+        return "[" + ", ".join(_text(item) for item in value) + "]"
     return f"{value:g}" if isinstance(value, float) else str(value)

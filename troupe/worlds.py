@@ -46,7 +46,7 @@ def find_world(world: str | Path) -> Path:
                 return shipped
     names = world_names()
     near = _beside(path) or suggestion(path.stem, names)
-    what = "is a folder, not a world file" if path.is_dir() else f"no such world{near}"
+    what = "is a folder, not a world file" if text and path.is_dir() else f"no such world{near}"
     allowed = (
         f"a file, or a world that comes with Troupe: {listed(names, 30)}" if names else "a file"
     )

@@ -44,7 +44,7 @@ NOBODY = np.int8(-1)
 BY_DOOR = np.int8(4)
 
 
-def _advance(  # noqa: PLR0917 - compiled code takes its arrays one by one
+def _advance(
     rule: Any,  # (state, seen) -> (state, move)
     senses: int,
     cells: NDArray[np.uint16],  # per framed cell: FREE, STANDING, ACTIVE

@@ -75,7 +75,7 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
                 return
             memory.step_to = None
             return
-        travel = free_travel(region, pose[:2], target, tracks, brain.time)
+        travel = free_travel(region, pose, target, tracks, brain.time)
         if travel < 0.05 or row_hidden(brain, direction):
             memory.step_to = None
             return
@@ -126,9 +126,15 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
         memory.phase = Phase.DONE
         command.finished = True
         return
+    task = brain.task
+    if not looks_at(brain.pose, look.RIGHT):
+        back_off_to_turn(brain, command)
+        return
+    if math.dist(brain.pose[:2], task.goal) > going.AT_GOAL:
+        approach_goal(brain, command)
+        return
     if not new_cycle:
         return
-    task = brain.task
     intruder = strip_intruder(task.strip, going.others(brain), task.margin)
     if intruder is not None:
         say(brain, command, f"waiting: a robot is in my strip at height {intruder.y:.1f}")
@@ -141,6 +147,27 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
     memory.phase = Phase.PAINTING
     command.report["paint_time"] = round(brain.time, 3)
     say(brain, command, "painting")
+
+
+def back_off_to_turn(brain: Brain, command: Command) -> None:
+    """At the goal with the wall before its nose: go back along the row to where it can turn.
+
+    That happens where a neighbour was too near to turn on the way. The row behind is the one
+    that it came along, and nobody may have come within epsilon of it since.
+    """
+    pose, goal = brain.pose, brain.task.goal
+    if going.turning(brain, command, look.RIGHT):
+        return
+    target = (goal[0] + going.final_turn(brain), goal[1])
+    travel = free_travel(brain.region, pose, target, brain.memory.tracks.all, brain.time)
+    command.motion = drive(pose, target, travel, brain.settings.limits, 0.3)
+
+
+def approach_goal(brain: Brain, command: Command) -> None:
+    """Go back to the goal after turning."""
+    goal, pose = brain.task.goal, brain.pose
+    travel = free_travel(brain.region, pose, goal, brain.memory.tracks.all, brain.time)
+    command.motion = drive(pose, goal, travel, brain.settings.limits, 0.2)
 
 
 def paint(brain: Brain, command: Command) -> None:
@@ -156,6 +183,6 @@ def paint(brain: Brain, command: Command) -> None:
         say(brain, command, "done")
         command.finished = True
         return
-    travel = free_travel(brain.region, pose[:2], way[0], memory.tracks.all, brain.time, narrow=True)
+    travel = free_travel(brain.region, pose, way[0], memory.tracks.all, brain.time, narrow=True)
     command.spray = memory.spraying
     command.motion = drive(pose, way[0], travel, limits, 0.2)

@@ -30,6 +30,10 @@ CORRECTION = 0.5
 """Odometry is compared with the walls this often (s)."""
 
 
+SURE = 8
+"""When all robots are in view at once, each seen in this many scans, nobody is in the shadows."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """What a robot is told: how many there are, the region's shape, and its own limits."""
@@ -77,6 +81,7 @@ class Brain:
         self.memory = Memory(Tracks(settings.limits.speed), RankBounds.unknown(settings.robots))
         self.pose = Pose(0.0, 0.0, 0.0)
         self.time = 0.0
+        self.moving = False
 
     @property
     def region(self) -> Region:
@@ -96,6 +101,11 @@ class Brain:
         assert self.memory.task is not None
         return self.memory.task
 
+    @property
+    def unseen(self) -> int:
+        """How many robots there must be besides those that are followed."""
+        return self.settings.robots - 1 - len(self.memory.tracks.confirmed())
+
     def step(self, reading: Reading) -> Command:
         """Take in one reading and say what to do."""
         command = Command()
@@ -112,6 +122,7 @@ class Brain:
     def _perceive(self, reading: Reading) -> Scan:
         """The observe step: correct odometry, follow robots, clear shadows, narrow the rank."""
         memory = self.memory
+        before = self.pose
         cos, sin = math.cos(memory.turn), math.sin(memory.turn)
         x, y, yaw = reading.pose
         self.pose = Pose(
@@ -119,6 +130,7 @@ class Brain:
             sin * x + cos * y + float(memory.shift[1]),
             yaw + memory.turn,
         )
+        self.moving = math.dist(before[:2], self.pose[:2]) > 0.004
         scan = take_scan(
             self.pose,
             reading.ranges,
@@ -175,17 +187,15 @@ class Brain:
             if track.seen < self.time and is_refuted(scan, self.region, *track.centre, track.slack):
                 tracks.drop(track)
                 shadows.admit(*track.centre, track.slack)
+        shadows.spread(self.time)
+        shadows.look(scan)
         followed = tracks.confirmed()
-        unseen = self.settings.robots - 1 - len(followed)
-        if unseen <= 0:
+        for track in followed:
+            if track.seen == self.time:
+                shadows.exclude(*track.centre, 1.0 - track.slack)
+        unseen = self.unseen
+        if unseen <= 0 and all(t.seen == self.time and t.looks >= SURE for t in followed):
             shadows.clear()
-            shadows.spread(self.time)
-        else:
-            shadows.spread(self.time)
-            shadows.look(scan)
-            for track in followed:
-                if track.seen == self.time:
-                    shadows.exclude(*track.centre, 1.0 - track.slack)
         self._narrow(unseen)
 
     def _narrow(self, unseen: int) -> None:

@@ -35,11 +35,8 @@ border are 2 INSET apart, and that must be more than EPSILON, or the second robo
 halt short of its goal for ever.
 """
 
-HALT = 1.3
-"""Where a robot has to halt anyway, it halts this far off: whoever stands there can still turn.
-
-More than TURNING + HALF = 1.207, a turning body beside one that stands straight.
-"""
+HALT = 1.5
+"""Where a robot has to halt anyway, it halts this far off, so that both can still turn: APART."""
 
 APART = 1.5
 """Centres this far apart may both turn: more than 2 TURNING = 1.414."""

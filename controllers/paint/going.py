@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from . import look
 from .compute import Act, Decision, Other, Side, decide, vertical_leg
-from .constants import EPSILON, HALF, HALT, INSET, WALL_ROOM
+from .constants import APART, EPSILON, HALF, HALT, INSET, WALL_ROOM
 from .memory import Phase
 from .move import (
     TURN_KEEP,
@@ -32,8 +32,9 @@ AT_GOAL = 0.01
 PATIENT = 8.0
 """After waiting this long (s) a robot steps aside to the wall, out of the others' view."""
 
-_LAST_BIT = WALL_ROOM - INSET + 0.1
+_LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
+_BERTH = 0.4  # m: a robot that gives another berth on its row is still on it
 _FINAL_TURN = (1.0, 2.3)  # m before the goal at which robots of even and odd ranks turn round
 
 
@@ -91,12 +92,11 @@ def go(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None:
     """Carry out the legs; decide anew at each cycle, and hold where the way is no longer free."""
     memory, pose, task = brain.memory, brain.pose, brain.task
     if math.dist(pose[:2], task.goal) < AT_GOAL:
-        if _face(brain, command, look.RIGHT):
-            memory.phase = Phase.AT_GOAL
-            command.report["goal_time"] = round(brain.time, 3)
-            command.report["looks"] = memory.looks
-            command.report["waits"] = memory.waits
-            say(brain, command, "at goal")
+        memory.phase = Phase.AT_GOAL
+        command.report["goal_time"] = round(brain.time, 3)
+        command.report["looks"] = memory.looks
+        command.report["waits"] = memory.waits
+        say(brain, command, "at goal")
         return
     if new_cycle or memory.decision is None:
         memory.decision = _decide(brain)
@@ -115,7 +115,8 @@ def _decide(brain: Brain) -> Decision:
     seen = others(brain)
     if memory.row_clear:
         return Decision(Act.CROSS, task.goal)
-    decision = decide(pose.x, pose.y, task, seen)
+    on_row = memory.crossing and abs(pose.y - task.goal[1]) < _BERTH
+    decision = decide(pose.x, task.goal[1] if on_row else pose.y, task, seen)
     if decision.act is Act.CLIMB:
         upwards = decision.target[1] > pose.y
         limit = unseen_limit(brain, upwards)
@@ -152,24 +153,17 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
         )
 
 
-def _face(brain: Brain, command: Command, gaze: float) -> bool:
-    """Turn to a heading; true once it is taken, or cannot be taken here."""
-    if looks_at(brain.pose, gaze):
-        return True
-    if not can_turn(brain.region, brain.pose.x, brain.pose.y):
-        return True
-    if may_turn(brain.region, brain.pose, brain.memory.tracks.all, brain.time):
-        command.motion = turn(brain.pose, gaze, brain.settings.limits)
-    return False
+def turning(brain: Brain, command: Command, gaze: float) -> bool:
+    """Begin or go on turning to a heading where there is room; false if there is nothing to do.
 
-
-def _turning(brain: Brain, command: Command, gaze: float) -> bool:
-    """Begin or go on turning to a heading where there is room; false if there is nothing to do."""
+    A robot that moves comes to rest first.
+    """
     if looks_at(brain.pose, gaze):
         return False
     if not may_turn(brain.region, brain.pose, brain.memory.tracks.all, brain.time):
         return False
-    command.motion = turn(brain.pose, gaze, brain.settings.limits)
+    if not brain.moving:
+        command.motion = turn(brain.pose, gaze, brain.settings.limits)
     return True
 
 
@@ -194,7 +188,7 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
         gaze = look.UP if upwards else look.DOWN
     else:
         gaze = look.LEFT
-    if _turning(brain, command, gaze):
+    if turning(brain, command, gaze):
         return
     leg = vertical_leg(pose.x, pose.y, decision.target[1], others(brain))
     limit = unseen_limit(brain, upwards)
@@ -203,28 +197,30 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
     if (height - pose.y) * (1.0 if upwards else -1.0) <= 0.0:
         memory.next_cycle = min(memory.next_cycle, brain.time)
         return
-    travel = free_travel(brain.region, pose[:2], target, memory.tracks.all, brain.time)
+    travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time)
     settle = 0.2 if height == task.goal[1] else 0.5
     command.motion = drive(pose, target, travel, brain.settings.limits, settle)
+
+
+def final_turn(brain: Brain) -> float:
+    """How far before the goal to turn round; where strips are low, neighbours do it elsewhere."""
+    low, high = brain.task.strip
+    return _FINAL_TURN[brain.memory.bounds.below[0] % 2 if high - low < 2 * APART else 0]
 
 
 def _cross(brain: Brain, command: Command) -> None:
     memory, pose, task = brain.memory, brain.pose, brain.task
     left = pose.x - task.goal[0]
-    even = brain.memory.bounds.below[0] % 2
-    tall = task.strip[1] - task.strip[0] > 1.6
-    turn_at = _FINAL_TURN[0] if tall else _FINAL_TURN[even]
+    memory.crossing = True
+    turn_at = final_turn(brain)
     gaze, aim_x = look.LEFT, task.goal[0] + turn_at
     if left <= turn_at + 0.05 or memory.row_clear:
-        memory.row_clear = memory.row_clear or not _hidden_on_row(brain, task.goal[0] - HALF)
+        memory.row_clear = memory.row_clear or not hidden_on_row(brain, task.goal[0] - HALF)
         if memory.row_clear:
             gaze, aim_x = look.RIGHT, task.goal[0]
-    if not looks_at(pose, gaze):
-        if _turning(brain, command, gaze):
-            return
-        if gaze == look.RIGHT and can_turn(brain.region, pose.x, pose.y):
-            return  # there is no room now; there will be, once the neighbour is at its goal
-    if not memory.row_clear and _hidden_on_row(brain, max(pose.x - 1.6, task.goal[0] - HALF)):
+    if not looks_at(pose, gaze) and turning(brain, command, gaze):
+        return
+    if not memory.row_clear and hidden_on_row(brain, max(pose.x - 1.6, task.goal[0] - HALF)):
         return
     height = task.goal[1]
     if left > 0.7:
@@ -234,15 +230,15 @@ def _cross(brain: Brain, command: Command) -> None:
     target = (aim_x, height)
     if abs(height - pose.y) > 0.01 and abs(aim_x - pose.x) > 0.3:
         target = (pose.x - abs(height - pose.y), height)
-    travel = free_travel(brain.region, pose[:2], target, memory.tracks.all, brain.time)
+    travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time)
     settle = 0.2 if aim_x == task.goal[0] else 0.3
     command.motion = drive(pose, target, travel, brain.settings.limits, settle)
 
 
-def _hidden_on_row(brain: Brain, left: float) -> bool:
+def hidden_on_row(brain: Brain, left: float) -> bool:
     """Whether an unseen robot could be in the way from here to the left as far as `left`."""
     x, y = brain.pose.x, brain.pose.y
-    return brain.shadows.any_in(left, x, y - 2 * HALF, y + 2 * HALF)
+    return brain.unseen > 0 and brain.shadows.any_in(left, x, y - 2 * HALF, y + 2 * HALF)
 
 
 def _wait(brain: Brain, command: Command, decision: Decision) -> None:
@@ -251,7 +247,7 @@ def _wait(brain: Brain, command: Command, decision: Decision) -> None:
     side = _side_gaze(brain)
     blocker = decision.waits_for
     if side is not None:
-        _turning(brain, command, side)
+        turning(brain, command, side)
         return
     since = memory.waiting_since if memory.waiting_since is not None else brain.time
     if brain.time - since > PATIENT and memory.step_to is None and brain.time > memory.gaze_until:
@@ -260,11 +256,11 @@ def _wait(brain: Brain, command: Command, decision: Decision) -> None:
         memory.gaze_until = brain.time + PATIENT
     if memory.step_to is not None and pose.x - memory.step_to > 0.3:
         if not looks_at(pose, look.LEFT):
-            _turning(brain, command, look.LEFT)
+            turning(brain, command, look.LEFT)
             return
         target = (memory.step_to, pose.y)
-        travel = free_travel(brain.region, pose[:2], target, memory.tracks.all, brain.time)
-        if _hidden_on_row(brain, pose.x - 1.6):
+        travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time)
+        if hidden_on_row(brain, pose.x - 1.6):
             travel = 0.0
         command.motion = drive(pose, target, travel, brain.settings.limits, 0.4)
         if travel > 0.0:
@@ -281,4 +277,4 @@ def _wait(brain: Brain, command: Command, decision: Decision) -> None:
         memory.gaze_until = brain.time + 3.0
         memory.looks += 1
     memory.gaze = wanted
-    _turning(brain, command, wanted)
+    turning(brain, command, wanted)

@@ -31,8 +31,8 @@ class Shadows:
     def __init__(self, region: Region, speed: float) -> None:
         low, high = (region.left, region.bottom), (region.right, region.top)
         columns, rows = (int(n) for n in np.ceil(np.subtract(high, low) / CELL))
-        self.x: Floats = low[0] + CELL * (np.arange(columns) + 0.5)
-        self.y: Floats = low[1] + CELL * (np.arange(rows) + 0.5)
+        self.x: Floats = np.arange(0.5, columns) * CELL + low[0]
+        self.y: Floats = np.arange(0.5, rows) * CELL + low[1]
         grid_x, grid_y = np.meshgrid(self.x, self.y)
         centres = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
         depth = region.depth(centres).reshape(rows, columns)

@@ -86,6 +86,9 @@ class Memory:
     waits: int = 0
     """How often it had to wait, for the report."""
 
+    crossing: bool = False
+    """The goal's height was reached: giving somebody berth does not begin the legs anew."""
+
     row_clear: bool = False
     """The way to the goal on its row was seen free: nobody may come within epsilon of it since."""
 

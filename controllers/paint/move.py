@@ -29,6 +29,9 @@ TURN_RADIUS = TURNING + HALF + 0.03
 BOTH_TURN_RADIUS = 2.0 * TURNING + 0.03
 """... or than this, if the other has room to turn as well."""
 
+WALL_GAP = 0.03
+"""Nobody drives nearer to a wall than this (m)."""
+
 AIMED = math.radians(0.06)
 """A gaze is taken when it is off by less."""
 
@@ -61,14 +64,18 @@ def can_turn(region: Region, x: float, y: float) -> bool:
 
 
 def may_turn(region: Region, pose: Pose, tracks: Iterable[Track], time: float) -> bool:
-    """Whether this robot may turn here and now: walls and the robots in view are far enough."""
-    if region.depth_at(pose.x, pose.y) < WALL_ROOM - 0.005:
+    """Whether this robot may turn here and now: walls and the robots in view are far enough.
+
+    A turn that was begun is finished even if another comes nearer meanwhile.
+    """
+    begun = abs(math.remainder(pose.yaw, math.pi / 2)) > math.radians(2.0)
+    if region.depth_at(pose.x, pose.y) < (TURNING if begun else WALL_ROOM - 0.005):
         return False
     for track in tracks:
         if time - track.seen > 2.0:
             continue
         x, y = track.centre
-        radius = BOTH_TURN_RADIUS if can_turn(region, x, y) else TURN_RADIUS
+        radius = BOTH_TURN_RADIUS if can_turn(region, x, y) and not begun else TURN_RADIUS
         if math.hypot(x - pose.x, y - pose.y) < radius:
             return False
     return True
@@ -81,9 +88,24 @@ def keep_of(region: Region, track: Track, narrow: bool) -> float:
     return TURN_KEEP
 
 
+def to_walls(region: Region, pose: Pose, target: tuple[float, float]) -> float:
+    """How far one may go towards a target before the body, as it is turned, is near a wall (m)."""
+    dx, dy = target[0] - pose.x, target[1] - pose.y
+    length = math.hypot(dx, dy)
+    half = HALF * (abs(math.cos(pose.yaw)) + abs(math.sin(pose.yaw))) + WALL_GAP
+    travel = length
+    for (a, b), offset in zip(region.normals.tolist(), region.offsets.tolist(), strict=True):
+        closing = -(a * dx + b * dy) / length if length else 0.0
+        if closing > 1e-9:
+            spread = half * (abs(a) + abs(b)) if half < HALF + 0.1 else half
+            room = a * pose.x + b * pose.y - offset - spread
+            travel = min(travel, max(0.0, room) / closing)
+    return travel
+
+
 def free_travel(
     region: Region,
-    start: tuple[float, float],
+    start: Pose,
     target: tuple[float, float],
     tracks: Iterable[Track],
     time: float,
@@ -94,16 +116,16 @@ def free_travel(
     `narrow` is for painting, where everybody near is in a strip of its own: rows are passed at
     STAND_KEEP. A robot that is too near already does not hold up who moves away from it.
     """
-    dx, dy = target[0] - start[0], target[1] - start[1]
+    dx, dy = target[0] - start.x, target[1] - start.y
     length = math.hypot(dx, dy)
     if length == 0.0:
         return 0.0
     ux, uy = dx / length, dy / length
-    travel = length
+    travel = to_walls(region, start, target)
     for track in tracks:
         if time - track.seen > 3.0:
             continue
-        x, y = track.centre[0] - start[0], track.centre[1] - start[1]
+        x, y = track.centre[0] - start.x, track.centre[1] - start.y
         keep = keep_of(region, track, narrow)
         if abs(x) < keep and abs(y) < keep:
             along = ux * x if abs(x) > abs(y) else uy * y

@@ -18,6 +18,8 @@ from .geometry import Floats
 TOLERANCE = 0.03
 """How far a point may be off the face that it is said to be on (m): 3 times a noise of 0.01 m."""
 
+_TWO = 0.21  # m: by how much two points on a line bound a centre less well than three
+
 _TILTS = np.radians(np.arange(2.0, 90.0, 4.0))
 
 
@@ -69,26 +71,53 @@ def _straight(
     off = np.abs(points - np.array(face))
     on_x, on_y = off[:, 0] <= TOLERANCE, off[:, 1] <= TOLERANCE
     if len(points) == 1:
-        return _single(points[0], eye)
+        return _single(points[0])
     centre = [face[k] + towards[k] * HALF for k in (0, 1)]
     bounds = [(high[k] - HALF, low[k] + HALF) for k in (0, 1)]
     if on_x.all() or on_y.all():
         axis = 0 if on_x.all() else 1
         if on_x.all() and on_y.all():
             return None
-        exact = float(np.median(points[:, axis])) + towards[axis] * HALF
-        along = 1 - axis
-        left, right = _narrowed(bounds[along], exact, axis, eye, passes)
-        if left > right:
-            return None
-        pair = [(exact, exact), (exact, exact)]
-        pair[along] = (left, right)
-        return Square(pair[0], pair[1], True, len(points) > 2, float(off[:, axis].max()))
+        return _one_face(points, axis, towards[axis], bounds[1 - axis], eye, passes)
     if (on_x | on_y).all() and all(towards[k] * (centre[k] - eye[k]) > HALF for k in (0, 1)):
         misfit = float(np.minimum(off[:, 0], off[:, 1]).max())
         x, y = centre
         return Square((x, x), (y, y), True, len(points) > 2, misfit)
     return None
+
+
+def _one_face(
+    points: Floats,
+    axis: int,
+    towards: float,
+    bounds: tuple[float, float],
+    eye: tuple[float, float],
+    passes: tuple[Floats | None, Floats | None],
+) -> Square | None:
+    """A square of which the face across `axis` is seen, `towards` it from the eye.
+
+    A tilt of a degree or two shows in the points' line, and is taken into account: the face's
+    middle then is aside of the square's by half a body times the tilt.
+    """
+    along = 1 - axis
+    certain = len(points) > 2
+    middle = points.mean(axis=0)
+    off = points - middle
+    tilt = 0.0
+    if certain:
+        tilt = float(off[:, axis] @ off[:, along] / max(off[:, along] @ off[:, along], 1e-9))
+    misfit = float(np.abs(off[:, axis] - tilt * off[:, along]).max())
+    face = float(middle[axis])
+    left, right = _narrowed(bounds, face + towards * HALF, axis, eye, passes)
+    if left > right:
+        return None
+    face += tilt * (0.5 * (left + right) - float(middle[along]))
+    exact = face + towards * HALF
+    aside = -towards * HALF * tilt
+    slack = 0.0 if certain else _TWO  # two points may be on any face of a body that is turning
+    pair = [(exact - slack, exact + slack)] * 2
+    pair[along] = (left + aside - slack, right + aside + slack)
+    return Square(pair[0], pair[1], certain, certain, misfit)
 
 
 def _narrowed(
@@ -116,12 +145,11 @@ def _narrowed(
     return low, high
 
 
-def _single(point: Floats, eye: tuple[float, float]) -> Square:
-    """One point: on whichever face, the centre is within half a body of half a body behind it."""
-    away = np.array([point[0] - eye[0], point[1] - eye[1]])
-    away /= max(float(np.hypot(*away)), 1e-9)
-    x, y = point + HALF * away
-    return Square((x - HALF, x + HALF), (y - HALF, y + HALF), False, False, 0.0)
+def _single(point: Floats) -> Square:
+    """One point: on whichever face, however turned, the centre is within half a diagonal."""
+    x, y = (float(v) for v in point)
+    reach = BODY / math.sqrt(2.0)
+    return Square((x - reach, x + reach), (y - reach, y + reach), False, False, 0.0)
 
 
 def _tilted(points: Floats, eye: tuple[float, float]) -> Square | None:
@@ -146,9 +174,10 @@ def _tilted(points: Floats, eye: tuple[float, float]) -> Square | None:
     centre = face + towards * HALF
     slack, corner = 0.05, True
     for k in (0, 1):
-        if (off[:, k] <= TOLERANCE).sum() < 2:
+        alone = (off[:, k] <= TOLERANCE) & (off[:, 1 - k] > TOLERANCE)
+        if alone.sum() < 2:  # not seen for certain: only bounded by how far the points reach
             centre[k] = 0.5 * (low[k] + high[k])
-            slack, corner = max(slack, 0.5 * float(BODY - (high[k] - low[k]))), False
+            slack, corner = max(slack, 0.05 + 0.5 * float(BODY - (high[k] - low[k]))), False
     x, y = turn @ centre
     return Square(
         (x - slack, x + slack), (y - slack, y + slack), False, corner and len(points) > 4, misfit

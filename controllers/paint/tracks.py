@@ -26,6 +26,9 @@ _SHARP = 0.002
 """Bounds are narrowed only by sightings whose points are on their faces this exactly (m): a
 body that is turned by a fraction of a degree would falsify them."""
 
+_BLUNT = 0.1
+"""Inexact bounds must be this far off the own height (m) to say which side the robot is on."""
+
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
 
@@ -39,7 +42,7 @@ class Track:
     since: float  # time since when it has stood there, s
     looks: int = 1
     side: Side = Side.UNSURE
-    straight: bool = True
+    sharp: bool = False  # whether the bounds are from sightings that were exact
     reach: float = 0.0  # how far it may have driven since it was seen, m
 
     @property
@@ -80,7 +83,7 @@ class Tracks:
             if j in pairs:
                 _renew(self.all[pairs[j]], square, time)
             else:
-                self.all.append(Track(square.x, square.y, time, time, straight=square.straight))
+                self.all.append(Track(square.x, square.y, time, time, sharp=_is_sharp(square)))
         for track in self.all:
             if track.seen == time:
                 track.side = _side(track, y)
@@ -136,13 +139,26 @@ def _renew(track: Track, square: Square, time: float) -> None:
     x = max(track.x[0], square.x[0]), min(track.x[1], square.x[1])
     y = max(track.y[0], square.y[0]), min(track.y[1], square.y[1])
     consistent = x[0] <= x[1] + 1e-6 and y[0] <= y[1] + 1e-6
-    if consistent and square.straight and square.misfit < _SHARP:
+    sharp = _is_sharp(square)
+    if consistent and (sharp and track.sharp):
         track.x, track.y = (min(x), max(x)), (min(y), max(y))
-    elif not consistent:
-        track.x, track.y, track.since = square.x, square.y, time
-    track.seen, track.reach, track.straight = time, 0.0, square.straight
+    else:
+        far = track.reach + (0.0 if consistent else _GATE)  # how far beyond its old bounds it is
+        track.x, track.y = _clipped(square.x, track.x, far), _clipped(square.y, track.y, far)
+        track.since, track.sharp = time, sharp
+    track.seen, track.reach = time, 0.0
     if square.certain:
         track.looks += 1
+
+
+def _clipped(new: tuple[float, float], old: tuple[float, float], far: float) -> tuple[float, float]:
+    """New bounds, less what is farther than `far` from the old ones."""
+    low, high = max(new[0], old[0] - far), min(new[1], old[1] + far)
+    return (low, high) if low <= high else new
+
+
+def _is_sharp(square: Square) -> bool:
+    return square.straight and square.misfit < _SHARP
 
 
 def _side(track: Track, y: float) -> Side:
@@ -150,10 +166,13 @@ def _side(track: Track, y: float) -> Side:
     if track.side in (Side.ABOVE, Side.BELOW):
         return track.side
     low, high = track.y[0] - y, track.y[1] - y
-    if low > LEVEL:
+    sure = LEVEL if track.sharp else _BLUNT
+    if low > sure:
         return Side.ABOVE
-    if high < -LEVEL:
+    if high < -sure:
         return Side.BELOW
+    if not track.sharp:
+        return Side.UNSURE
     if low >= -LEVEL and high <= LEVEL:
         return Side.LEVEL
     if high - low < LEVEL:

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from player.codes import Interface
-from player.messages import BumperSegment
 from player.proxies.base import Proxy
+from player.table import BumperSegment
 
 
 class BumperProxy(Proxy):

@@ -7,8 +7,8 @@ from typing import Any
 
 from player.codes import Interface
 from player.errors import XdrError
-from player.messages import Blob, Fiducial
 from player.proxies.base import Geometry, Proxy, geometry
+from player.table import Blob, Fiducial
 
 _HEAD = struct.Struct(">4I")
 _BLOB = struct.Struct(">9If")

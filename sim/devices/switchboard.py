@@ -18,12 +18,15 @@ class Port:
     def __init__(self) -> None:
         self.directory = Directory()
         self.devices: dict[DeviceAddr, Device] = {}
+        self.robots: list[int] = []
 
     def add(self, device: Device, index: int | None = None) -> None:
         """Serve a device at its own index, or at another one."""
         addr = device.addr if index is None else DeviceAddr(device.addr.interf, index)
         self.devices[addr] = device
         self.directory.add(addr)
+        if device.robot not in self.robots:
+            self.robots.append(device.robot)
 
     def serve(self, devices: Iterable[Device]) -> None:
         """Serve devices at the next free index of their interfaces."""

@@ -221,8 +221,7 @@ class Crew:
 
     def robots_of(self, connection: Connection) -> list[Driver]:
         """The robots whose devices a connection can reach."""
-        devices = self.switchboard.port(connection).devices.values()
-        return [self.drivers[robot] for robot in dict.fromkeys(d.robot for d in devices)]
+        return [self.drivers[robot] for robot in self.switchboard.port(connection).robots]
 
     def asked(self, connection: Connection, served: bool) -> None:
         for driver in self.robots_of(connection):

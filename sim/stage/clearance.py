@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.stage.compiled import compiled
 from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 
@@ -53,7 +53,7 @@ def _mark(cells: NDArray[np.uint8], cell: float, vertices: Floats) -> None:
         cells[np.clip(row[near], 0, rows - 1), np.clip(column[near], 0, columns - 1)] = 0
 
 
-@numba.njit([numba.void(numba.uint8[:, ::1])], cache=True)
+@compiled
 def _spread(cells: Any) -> None:
     """Chessboard distance transform in two passes (Rosenfeld and Pfaltz 1966)."""
     rows, columns = cells.shape

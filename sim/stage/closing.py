@@ -10,22 +10,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
+from sim.stage.compiled import compiled
 
-from sim.stage.records import MOVER
-
-DEEPEST = 0.01
+DEEPEST = 0.015
 """m that bodies may close in a piece of a step. With the slop of 0.005 m that Chipmunk leaves
 between bodies that rest on each other, this keeps overlaps below 0.02 m."""
 MOST_PIECES = 64
 """Beyond 0.64 m in a step of physics (32 m/s at 20 ms) overlaps are no longer bounded."""
 
 
-_MOVERS = numba.from_dtype(MOVER)[::1]
-_TABLE = numba.float64[:, ::1]
-
-
-@numba.njit(cache=True)
+@compiled
 def gain(state: Any, mover: Any, dt: float) -> tuple[float, float]:
     """How much a drive can change a body's velocity (m/s) and turn rate (rad/s) in a step."""
     if not mover.driven:
@@ -38,7 +32,7 @@ def gain(state: Any, mover: Any, dt: float) -> tuple[float, float]:
     return change, turn
 
 
-@numba.njit(cache=True)
+@compiled
 def sort_by_x(order: Any, state: Any, movers: Any, count: int) -> None:
     """Insertion sort of movers by x: nearly sorted already, as bodies move little in a step."""
     for i in range(1, count):
@@ -51,7 +45,7 @@ def sort_by_x(order: Any, state: Any, movers: Any, count: int) -> None:
         order[j + 1] = k
 
 
-@numba.njit(cache=True)
+@compiled
 def clear_of(cells: Any, cell: float, x: float, y: float) -> float:
     """A lower bound of the distance in metres from a place to what stands."""
     row, column = math.floor(y / cell), math.floor(x / cell)
@@ -61,7 +55,7 @@ def clear_of(cells: Any, cell: float, x: float, y: float) -> float:
     return 0.0
 
 
-@numba.njit(cache=True)
+@compiled
 def _beyond(
     corners: Any, sides: int, pose: Any, others: Any, other_sides: int, there: Any, radius: float
 ) -> float:
@@ -93,7 +87,7 @@ def _beyond(
     return most
 
 
-@numba.njit(cache=True)
+@compiled
 def _gap(state: Any, mover: Any, other: Any, outlines: Any, sides: Any) -> float:
     """A lower bound of the distance in metres between two bodies' outlines."""
     one, two = state[mover.row], state[other.row]
@@ -106,15 +100,7 @@ def _gap(state: Any, mover: Any, other: Any, outlines: Any, sides: Any) -> float
     return float(max(best, back, apart))
 
 
-@numba.njit(
-    [
-        numba.int64(
-            _TABLE, _MOVERS, numba.int64, numba.int64[::1], numba.uint8[:, ::1], numba.float64,
-            numba.float64[:, :, ::1], numba.int64[::1], numba.float64,
-        )
-    ],
-    cache=True,
-)  # fmt: skip
+@compiled
 def pieces(
     state: Any,
     movers: Any,

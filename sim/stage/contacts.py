@@ -5,16 +5,15 @@ from __future__ import annotations
 from itertools import accumulate
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from sim.stage.compiled import compiled
 
 Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]
 _FACTOR = 2**32
 _HALF = 2**31
-_TUPLE: Any = numba.types.Tuple  # numba's types have no annotations
-_GATHERED = _TUPLE((numba.int64[::1], numba.int64[::1], numba.float64[:, ::1]))
 
 
 class Touches:
@@ -68,16 +67,7 @@ class Touches:
         return self._keys // _FACTOR, self._keys % _FACTOR - _HALF
 
 
-@numba.njit(
-    [
-        _GATHERED(
-            numba.types.Array(numba.uintp, 2, "C"), numba.float64[:, :, :, ::1],
-            numba.int64[::1], numba.int64[::1], numba.int64[::1], numba.int64,
-            numba.int64[::1], numba.int64[::1],
-        )
-    ],
-    cache=True,
-)  # fmt: skip
+@compiled
 def _gather(
     pairs: Any, points: Any, ends: Any, ids: Any, things: Any, first: int, before: Any, counts: Any
 ) -> Any:

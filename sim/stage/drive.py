@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
-
+from sim.stage.compiled import compiled
 from sim.stage.records import (
     CAR,
     HEADING,
-    MOVER,
     OMNIDIRECTIONAL,
     POSITION,
     STEERING,
@@ -24,28 +22,25 @@ BRAKING = 0.7
 """Share of the acceleration that approaching a goal plans with; the rest absorbs the delay of
 one step between command and motion, so that it does not overshoot."""
 
-_MOVERS = numba.from_dtype(MOVER)[::1]
-_STATE = numba.float64[:, ::1]
 
-
-@numba.njit(cache=True)
+@compiled
 def _wrap(angle: float) -> float:
     return math.pi - (math.pi - angle) % (2.0 * math.pi)
 
 
-@numba.njit(cache=True)
+@compiled
 def _approach(left: float, limit: float, acceleration: float, dt: float) -> float:
     """Speed at which to approach a goal that is `left` away, so as to stop there."""
     return min(limit, math.sqrt(2.0 * BRAKING * acceleration * left), left / (3.0 * dt))
 
 
-@numba.njit(cache=True)
+@compiled
 def _turn_to(error: float, limit: float, acceleration: float, dt: float) -> float:
     rate = _approach(abs(error), limit, acceleration, dt)
     return rate if error >= 0.0 else -rate
 
 
-@numba.njit(cache=True)
+@compiled
 def _set_point(mover: Any, x: float, y: float, yaw: float, dt: float) -> tuple[float, float, float]:
     """The twist (vx, vy, wz; robot's frame) that a robot's command asks for now."""
     if mover.mode == STEERING:
@@ -75,7 +70,7 @@ def _set_point(mover: Any, x: float, y: float, yaw: float, dt: float) -> tuple[f
     return mover.vx, mover.vy, mover.wz
 
 
-@numba.njit(cache=True)
+@compiled
 def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
     """Bring the wanted twist nearer to the set-point, within the limits of acceleration."""
     dx, dy = vx - mover.wanted_x, vy - mover.wanted_y
@@ -95,7 +90,7 @@ def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
         mover.wanted_turn = min(most, max(-most, mover.wanted_turn))
 
 
-@numba.njit([numba.void(_STATE, _MOVERS, numba.int64, numba.float64)], cache=True)
+@compiled
 def want(state: Any, movers: Any, count: int, dt: float) -> None:
     """Update the wanted twists of the first `count` movers for a step of `dt` seconds.
 
@@ -114,9 +109,7 @@ def want(state: Any, movers: Any, count: int, dt: float) -> None:
         _ramp(mover, vx, vy, wz, dt)
 
 
-@numba.njit(
-    [numba.void(_STATE, _STATE, _MOVERS, numba.int64, numba.float64, numba.float64)], cache=True
-)
+@compiled
 def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, piece: float) -> None:
     """Write what makes the bodies move as wanted in a step of `dt`, cut to pieces of `piece` s.
 
@@ -156,7 +149,7 @@ def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, piece: flo
         order[3], order[4], order[5] = dx / piece, dy / piece, spin / piece
 
 
-@numba.njit([numba.void(_STATE, _MOVERS, numba.int64, numba.float64)], cache=True)
+@compiled
 def account(state: Any, movers: Any, count: int, dt: float) -> None:
     """After a step of `dt`: the way gone, and how much of what was wanted was done."""
     for i in range(count):
@@ -186,15 +179,7 @@ STALL_SHARE = 0.5
 """A robot stalls when it does less than this share of what is wanted of it."""
 
 
-@numba.njit(
-    [
-        numba.void(
-            _STATE, _MOVERS, numba.int64, numba.int64, numba.float64, _STATE, _STATE,
-            numba.float64[::1], numba.bool_[::1],
-        )
-    ],
-    cache=True,
-)  # fmt: skip
+@compiled
 def report(
     state: Any,
     movers: Any,

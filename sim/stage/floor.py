@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sensors.compiled import compiled
+from sim.stage.compiled import compiled
 
 if TYPE_CHECKING:
     from sim.stage.layout import Layout
@@ -176,10 +176,10 @@ def _stamp(
     reach_x = abs(cos) * half_length + abs(sin) * half_width
     reach_y = abs(sin) * half_length + abs(cos) * half_width
     rows, columns = owner.shape
-    first_row = max(0, int(math.floor((pose[1] - reach_y) / resolution)))
-    last_row = min(rows - 1, int(math.floor((pose[1] + reach_y) / resolution)))
-    first_column = max(0, int(math.floor((pose[0] - reach_x) / resolution)))
-    last_column = min(columns - 1, int(math.floor((pose[0] + reach_x) / resolution)))
+    first_row = max(0, math.floor((pose[1] - reach_y) / resolution))
+    last_row = min(rows - 1, math.floor((pose[1] + reach_y) / resolution))
+    first_column = max(0, math.floor((pose[0] - reach_x) / resolution))
+    last_column = min(columns - 1, math.floor((pose[0] + reach_x) / resolution))
     painted = 0
     visits = 0
     for row in range(first_row, last_row + 1):

@@ -9,25 +9,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
-
 from sim.stage.closing import clear_of, sort_by_x
-from sim.stage.records import MOVER
+from sim.stage.compiled import compiled
 
 CALM = 20
 """Ticks that a robot must have been far from everything before its joints are taken away: to
 attach and detach them costs more than to keep them for a while."""
 
 
-@numba.njit(
-    [
-        numba.int64(
-            numba.float64[:, ::1], numba.from_dtype(MOVER)[::1], numba.int64,
-            numba.int64[::1], numba.uint8[:, ::1], numba.float64, numba.float64,
-        )
-    ],
-    cache=True,
-)  # fmt: skip
+@compiled
 def look_around(
     state: Any, movers: Any, count: int, order: Any, cells: Any, cell: float, interval: float
 ) -> int:

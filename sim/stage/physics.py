@@ -16,7 +16,7 @@ from sim.stage.geometry import Floats, outline, reach
 from sim.stage.layout import Layout
 from sim.stage.records import mover
 
-ITERATIONS = 10
+ITERATIONS = 15
 """Rounds of the solver where bodies may meet; one does where none can."""
 
 

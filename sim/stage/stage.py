@@ -32,7 +32,7 @@ class Stage:
 
     def __init__(self, layout: Layout, models: Mapping[str, Model], clock: Clock) -> None:
         self.layout = layout
-        self._models = models
+        self.models = models
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
         self._dt = clock.interval / self._steps
@@ -59,7 +59,7 @@ class Stage:
     def add_robot(self, name: str, model: str, pose: ArrayLike) -> int:
         """Put a robot of a model of the world on the stage, at rest; returns its number."""
         at = pose_of(pose)
-        kind = self._models[model]
+        kind = self.models[model]
         robot = self._count
         number = self._movables + robot
         self._grow(number + 1)
@@ -130,7 +130,7 @@ class Stage:
         wheelbase / tan(steering). Raises ValueError for other drives.
         """
         record = self._record(robot)
-        model = self._models[self.model_names[robot]].drive
+        model = self.models[self.model_names[robot]].drive
         if record["kind"] != CAR or model is None or model.wheelbase is None:
             raise ValueError(f"robot {self.names[robot]} has no steering")
         commands.command_steering(record, speed, steering, model.wheelbase)

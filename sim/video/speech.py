@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.video.palette import INK, mix, tint
-from sim.video.text import draw_balloon, printable
+from sim.video.text import Box, balloon_box, draw_balloon, printable
 from sim.video.view import FrameView
 
 MOST = 24
@@ -31,12 +31,16 @@ class Speech:
         radii: list[float],
     ) -> None:
         """Draws the balloons of a view over robots at `centres` (n, 2) with `radii`, pixels."""
+        taken: list[Box] = []
         for robot in self._speakers(view):
             x, y = centres[robot]
             if 0 <= x < image.shape[1] and 0 <= y < image.shape[0]:
                 tip = (float(x), float(y) - 0.75 * radii[robot])
                 edge = mix(tint(robot), INK, 0.35)
-                draw_balloon(image, printable(self._said[robot]), tip, edge)
+                text = printable(self._said[robot])
+                box = balloon_box(text, tip, (image.shape[1], image.shape[0]), taken)
+                taken.append(box)
+                draw_balloon(image, text, tip, box, edge)
 
     def _speakers(self, view: FrameView) -> list[int]:
         """The robots whose balloons stand at a view's time, those that spoke last at the end."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import cv2
@@ -100,12 +101,35 @@ def draw_label(image: NDArray[np.uint8], text: str, centre: tuple[float, float])
     under[:] = under * keep[part] + add[part]
 
 
-def draw_balloon(image: NDArray[np.uint8], text: str, tip: tuple[float, float], color: int) -> None:
-    """A speech balloon whose pointer ends at `tip` (column, row), kept inside of the image."""
-    width, height = min(text_width(text) + 14, image.shape[1] - 6), ROWS + 2
+Box = tuple[int, int, int, int]
+"""Left, top, width, height in pixels."""
+
+
+def balloon_box(
+    text: str, tip: tuple[float, float], size: tuple[int, int], taken: Sequence[Box]
+) -> Box:
+    """Where a balloon over `tip` (column, row) goes: inside of an image of `size` (columns, rows).
+
+    It moves up until it covers none of those in `taken`; where the image ends, it covers.
+    """
+    width, height = min(text_width(text) + 14, size[0] - 6), ROWS + 2
+    left = min(max(round(tip[0]) - width // 2, 3), size[0] - width - 3)
+    lowest = min(max(round(tip[1]) - height - 7, 3), size[1] - height - 3)
+    for top in range(lowest, 2, -height - 3):
+        if not any(
+            left < x + w and x < left + width and top < y + h and y < top + height
+            for x, y, w, h in taken
+        ):
+            return left, top, width, height
+    return left, lowest, width, height
+
+
+def draw_balloon(
+    image: NDArray[np.uint8], text: str, tip: tuple[float, float], box: Box, color: int
+) -> None:
+    """A speech balloon in `box` whose pointer ends at `tip` (column, row)."""
+    left, top, width, height = box
     x, y = round(tip[0]), round(tip[1])
-    left = min(max(x - width // 2, 3), image.shape[1] - width - 3)
-    top = min(max(y - height - 7, 3), image.shape[0] - height - 3)
     outline = _rounded(width, height) + np.array([left, top], np.int32)
     edge = bgr(color)
     cv2.fillConvexPoly(image, outline, bgr(PAPER), cv2.LINE_AA)

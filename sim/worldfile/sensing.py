@@ -65,6 +65,5 @@ def _settings(sensor: Any, where: Where, folder: Path) -> Any:
             return [Mistake((*where, "type"), error.errors()[0]["msg"], shown(kind))]
         model = (SENSORS[kind] if kind in SENSORS else load_file(folder / kind)).settings
         return [
-            replace(one, where=(*where, *one.where))
-            for one, _ in mistakes_in(error, sensor, model)
+            replace(one, where=(*where, *one.where)) for one, _ in mistakes_in(error, sensor, model)
         ]

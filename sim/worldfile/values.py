@@ -80,11 +80,12 @@ def _file(value: Any) -> Any:
     return Path(value)
 
 
-_NAME = re.compile(r"[^\W\d_][\w.-]*|_[\w.-]*", re.ASCII)
+NAME = r"^[A-Za-z_][A-Za-z0-9_.-]*$"
+"""Names of robots, models and doors: they stand in file names, dotted paths and on the wire."""
 
 
 def _name(value: Any) -> Any:
-    if not isinstance(value, str) or len(value) > 60 or not _NAME.fullmatch(value):
+    if not isinstance(value, str) or len(value) > 60 or not re.fullmatch(NAME, value):
         raise wrong(
             "cannot be a name",
             given=value,
@@ -125,5 +126,5 @@ FileName = Annotated[
 Name = Annotated[
     str,
     BeforeValidator(_name),
-    WithJsonSchema({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.-]*$", "maxLength": 60}),
+    WithJsonSchema({"type": "string", "pattern": NAME, "maxLength": 60}),
 ]

@@ -186,6 +186,21 @@ def test_a_client_that_goes_is_reported_once(server, sockets):
     assert server.poll(0) == []
 
 
+def test_last_words_are_heard_though_nobody_listens_any_more(server, sockets):
+    """A controller that says something and ends, while the server writes to it."""
+    ours, client = sockets.pair()
+    connection = server.adopt(ours, directory(), patient=False)
+    client.sendall(open_device(*BASE))
+    handle(server, [Subscribed])
+    client.sendall(velocity(0.75))
+    client.close()
+    publish(server)
+    assert connection.is_open
+    seen = handle(server, [Disconnected])
+    assert [type(event) for _, event in seen] == [Command, Disconnected]
+    assert seen[0][1].message["vel"].x == 0.75
+
+
 def test_closing_a_connection_sends_what_was_said(server, sockets):
     ours, client = sockets.pair()
     connection = server.adopt(ours, directory())

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from player.errors import XdrError
-from player.messages import BLOB
+from player.table import BLOB
 from player.xdr import (
     BOX3D,
     COLOR,

@@ -155,7 +155,9 @@ class _Reader:
         if self.count > MOST_ENTITIES:
             raise StageError(call.place, f"the file asks for more than {MOST_ENTITIES} entities")
         if depth > DEEPEST:
-            raise StageError(call.place, f"{call.word} is defined by itself")
+            raise StageError(
+                call.place, f"{call.word} is defined by itself, or lies more than {DEEPEST} deep"
+            )
         macro = self.macros.get(call.word)
         if macro is not None:
             entity = self.create(macro, depth + 1)

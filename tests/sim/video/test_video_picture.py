@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from video_arenas import SQUARE, walled
 
 from sim.video import Backdrop, Drawing, FrameView, Scan
@@ -15,6 +18,7 @@ from sim.video.errors import VideoError
 from sim.video.ground import soften
 from sim.video.palette import GROUND, bgr, tint
 from sim.video.picture import Picture, save_picture
+from sim.video.text import Box, balloon_box
 
 GREEN = 0x00FF00
 
@@ -189,6 +193,22 @@ def test_anything_may_be_said_anywhere(
     assert (image != silent).any() == visible
     strip = picture.projection.field_height
     assert (image[strip:] == silent[strip:]).all()
+
+
+@given(st.lists(st.tuples(st.integers(0, 640), st.integers(0, 814)), max_size=8))
+def test_balloons_keep_inside_the_frame_and_apart(places: list[tuple[int, int]]) -> None:
+    boxes: list[Box] = []
+    for place in places:
+        boxes.append(balloon_box("settled in step 62", place, (640, 814), boxes))
+    for left, top, width, height in boxes:
+        assert left >= 0
+        assert top >= 0
+        assert left + width <= 640
+        assert top + height <= 814
+    # Where all eight stood at one place, they would need this many rows above it.
+    free = [box for box, place in zip(boxes, places, strict=True) if place[1] > 8 * 30]
+    for (x, y, w, h), (u, v, s, t) in combinations(free, 2):
+        assert x + w <= u or u + s <= x or y + h <= v or v + t <= y
 
 
 def test_names_are_written_below_their_robots(arena: Backdrop) -> None:

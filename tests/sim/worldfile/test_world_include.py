@@ -23,7 +23,8 @@ def test_mappings_merge_and_lists_and_scalars_are_replaced(tmp_path: Path) -> No
     world = load(
         write(
             tmp_path,
-            base=HEAD + "    drive: {max_speed: 1, max_turn_rate: 10}\n    sensors: [{type: laser}]\n"
+            base=HEAD
+            + "    drive: {max_speed: 1, max_turn_rate: 10}\n    sensors: [{type: laser}]\n"
             "duration: 5\nrobots: [{model: rover, placement: random, count: 3}]\n",
             world="include: [base.yaml]\nduration: 7\nrobots: []\n"
             "models: {rover: {drive: {max_speed: 2}}, other: {body: {shape: circle, radius: 1}}}\n",
@@ -52,7 +53,9 @@ def test_later_files_stand_above_earlier_ones_and_the_world_above_all(tmp_path: 
 
 
 def test_a_null_replaces_a_mapping(tmp_path: Path) -> None:
-    path = write(tmp_path, a="size: [1, 1]\nboundary: {color: blue}", world="include: a.yaml\nboundary: null")
+    path = write(
+        tmp_path, a="size: [1, 1]\nboundary: {color: blue}", world="include: a.yaml\nboundary: null"
+    )
     assert load(path).world.boundary is None
 
 
@@ -65,7 +68,8 @@ def test_a_mistake_points_into_the_file_that_has_it(tmp_path: Path) -> None:
     assert mistakes_of(path) == [
         "3:9: clock.physics_stp: unknown key; did you mean physics_step? "
         "(allowed: interval, physics_step)",
-        f"{tmp_path}/sub/base.yaml:2:19: clock.interval: is out of range (given: 0; allowed: above 0)",
+        f"{tmp_path}/sub/base.yaml:2:19: clock.interval: is out of range "
+        "(given: 0; allowed: above 0)",
     ]
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from world_texts import HEAD, mistakes_in
 
 from sim.worldfile.mistakes import Mistake, did_you_mean
-from world_texts import HEAD, mistakes_in
 
 ONE = "robots: [{model: rover, pose: [5, 4, 0]}]\n"
 
@@ -52,7 +52,10 @@ TABLE = [
     ("clock: {step: 1}", "5:9: clock.step: unknown key (allowed: interval, physics_step)"),
     # boundary, region, floor
     ("boundary: false", "5:11: boundary: must be a mapping (given: false)"),
-    ("boundary: {color: redd}", "5:19: boundary.color: there is no colour 'redd': did you mean red"),
+    (
+        "boundary: {color: redd}",
+        "5:19: boundary.color: there is no colour 'redd': did you mean red",
+    ),
     ("boundary: {color: #ff0000\n  }", "5:12: boundary.color: must be a colour; an unquoted # be"),
     ("boundary: {color: 0xff0000}", "5:19: boundary.color: must be a colour (given: 16711680;"),
     ("boundary: {color: '#ff00'}", "5:19: boundary.color: '#ff00' is not a colour"),
@@ -98,7 +101,10 @@ TABLE = [
     ("\nsize: [1, 1]\nmodels: [1]", "3:9: models: must be a mapping (given: [1])"),
     ("\nsize: [1, 1]\nmodels: {a: 1}", "3:13: models.a: must be a mapping (given: 1)"),
     ("\nsize: [1, 1]\nmodels: {a: {}}", "3:10: models.a.body: is missing"),
-    ("\nsize: [1, 1]\nmodels: {a b: {body: {shape: circle, radius: 1}}}", "3:10: models.a b: cannot be a name (given: a b; allo"),
+    (
+        "\nsize: [1, 1]\nmodels: {a b: {body: {shape: circle, radius: 1}}}",
+        "3:10: models.a b: cannot be a name (given: a b; allo",
+    ),
     ("    bdy: 3", "5:5: models.rover.bdy: unknown key; did you mean body?"),
     ("    drive: {kind: tank}", "5:19: models.rover.drive.kind: unknown choice (given: tank; al"),
     ("    drive: {kind: diferential}", "5:19: models.rover.drive.kind: unknown choice; did you"),

@@ -21,8 +21,8 @@ def test_a_program_that_comes_with_troupe_is_found_by_its_name() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["wandr", "motion", "perception", "__init__", "", ".", "..", "wander.", "../wander", "wander.py",
-     "a b", "wander.nothing", "py.typed"],
+    ["wandr", "motion", "perception", "__init__", "", ".", "..", "wander.", "../wander", "a b",
+     "wander.py", "wander.nothing", "py.typed"],
 )  # fmt: skip
 def test_nothing_else_is(name: str) -> None:
     assert find_program(name) is None

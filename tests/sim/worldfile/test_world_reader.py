@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sim.worldfile.nodes import Mark, MappingNode, Path, mark_of, plain
+from sim.worldfile.nodes import MappingNode, Mark, Path, mark_of, plain
 from sim.worldfile.reader import MOST_DEPTH, Unreadable, read_text
 
 
@@ -64,7 +64,13 @@ def test_each_duplicate_key_is_told_and_the_first_value_stands() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["!!python/object/apply:os.system ['touch /tmp/x']", "!!int 5", "!mine {a: 1}", "! x", "!!set {a}"],
+    [
+        "!!python/object/apply:os.system ['touch /tmp/x']",
+        "!!int 5",
+        "!mine {a: 1}",
+        "! x",
+        "!!set {a}",
+    ],
 )
 def test_tags_construct_nothing(text: str) -> None:
     (mistake,) = told(f"a: {text}\n")
@@ -106,9 +112,7 @@ def test_an_alias_of_what_it_stands_in_is_refused() -> None:
 
 
 def test_an_alias_of_nothing_is_refused() -> None:
-    assert told("a: *x\n") == [
-        "f:1:4: a: an alias of nothing that stands before it (given: *x)"
-    ]
+    assert told("a: *x\n") == ["f:1:4: a: an alias of nothing that stands before it (given: *x)"]
 
 
 @pytest.mark.parametrize(("opening", "closing"), [("[", "]"), ("{a: ", "}"), ("- ", "")])

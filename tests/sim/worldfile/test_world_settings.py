@@ -77,8 +77,14 @@ def test_a_value_that_an_alias_shares_changes_in_the_named_place_alone(tmp_path:
         ("duration", "--set: is no setting (given: duration; allowed: KEY=VALUE, such as"),
         ("=3", "--set: is no setting (given: =3;"),
         ("a..b=3", "--set: is no setting (given: a..b=3;"),
-        ("robots.2.pose=[1, 1, 0]", "--set robots.2.pose=[1, 1, 0]: robots: has no such place (giv"),
-        ("robots.x=1", "--set robots.x=1: robots: has no such place (given: x; allowed: a number fr"),
+        (
+            "robots.2.pose=[1, 1, 0]",
+            "--set robots.2.pose=[1, 1, 0]: robots: has no such place (giv",
+        ),
+        (
+            "robots.x=1",
+            "--set robots.x=1: robots: has no such place (given: x; allowed: a number fr",
+        ),
         ("robots.-1.count=1", "--set robots.-1.count=1: robots: has no such place (given: -1; al"),
         ("size.0.x=1", "--set size.0.x=1: size.0: is a single value, so it has no `x`"),
         ("obstacles.0.pose=1", "--set obstacles.0.pose=1: obstacles: is no list in the file"),

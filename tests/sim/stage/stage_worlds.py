@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from sim.stage.layout import Layout, build_layout
 from sim.stage.stage import Stage
@@ -48,9 +46,12 @@ def set_up(**keys: Any) -> tuple[Layout, Stage]:
 
 
 def corners(body: Any, pose: Any) -> np.ndarray:
-    """Corners (k, 2) of a body at a pose; a circle as 256 points on it."""
+    """Corners (k, 2) of a body at a pose; a circle as 48 points on it.
+
+    The chords lie within the circle by less than 0.6 mm for a radius of 0.25 m.
+    """
     if body.shape == "circle":
-        turn = np.arange(256) * math.tau / 256
+        turn = np.arange(48) * math.tau / 48
         own = body.radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     elif body.shape == "box":
         a, b = body.size[0] / 2, body.size[1] / 2
@@ -117,9 +118,3 @@ def deepest(stage: Stage, bodies: list[Any]) -> float:
         ]
         worst = max([worst, *(overlap(outline, other) for other in others)])
     return worst
-
-
-@pytest.fixture
-def make_stage() -> Callable[..., tuple[Layout, Stage]]:
-    """`set_up`, for tests."""
-    return set_up

@@ -1,0 +1,153 @@
+"""The client's end of a connection: whole messages in, bytes out, deadlines, and how it ends."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from time import monotonic
+from typing import NoReturn
+
+from player.codes import BANNER_SIZE
+from player.environment import Place, release
+from player.errors import PlayerDisconnected, PlayerTimeout, ProtocolError
+from player.header import Message, MessageReader
+from player.transport import hurry, quick_acknowledge
+
+RECEIVE_SIZE = 1 << 18
+"""Bytes taken from the socket at a time: a round with a scan and blobs is about 1500."""
+
+LEAST_WAIT = 1e-3
+"""Seconds; a socket timeout of zero would mean not to wait at all."""
+
+
+class Deadline:
+    """Until when an answer is waited for, in wall-clock time; None seconds: for ever.
+
+    `what` says, for the error, which answer it is.
+    """
+
+    __slots__ = ("limit", "until", "what")
+
+    def __init__(self, limit: float | None, what: Callable[[], str]) -> None:
+        self.limit = limit
+        self.until = None if limit is None else monotonic() + limit
+        self.what = what
+
+
+class Link:
+    """A socket to a Player server, whose banner has been read.
+
+    Raises PlayerDisconnected where nobody listens, PlayerTimeout where nobody answers within
+    `timeout` seconds (None: wait for ever), ProtocolError where it is not Player that does.
+    """
+
+    def __init__(self, place: Place, timeout: float | None) -> None:
+        self.ending = ""
+        """Why the connection is over; "" while it is not."""
+        self.clean = False
+        """True if it is over because the server closed it between two messages."""
+        self._reader = MessageReader()
+        self._tcp = place.sock is None
+        self._waits: float | None = None
+        if place.sock is not None:
+            self.address = "the inherited socket"
+            self._socket = place.sock
+        else:
+            self.address = f"{place.host}:{place.port}"
+            self._socket = self._connect(place.host, place.port, timeout)
+        self._socket.settimeout(None)
+        try:
+            self.banner = self._receive_banner(Deadline(timeout, lambda: "the banner"))
+        except BaseException:
+            self.close()
+            raise
+
+    def _connect(self, host: str, port: int, timeout: float | None) -> socket.socket:
+        try:
+            sock = socket.create_connection((host, port), timeout=timeout)
+        except TimeoutError:
+            raise PlayerTimeout(
+                f"{self.address} did not take the connection within {timeout} s"
+            ) from None
+        except OSError as error:
+            raise PlayerDisconnected(
+                f"cannot connect to a Player server at {self.address}: {error.strerror or error} "
+                "(is it running, and is this its port?)"
+            ) from None
+        hurry(sock)
+        return sock
+
+    def _receive_banner(self, deadline: Deadline) -> str:
+        banner = b""
+        while len(banner) < BANNER_SIZE:
+            banner += self._receive(deadline, BANNER_SIZE - len(banner))
+            if not b"Player".startswith(banner[:6]):
+                raise ProtocolError(f"{self.address} is no Player server: it said {banner!r}")
+        return banner.split(b"\0")[0].decode("ascii", "replace")
+
+    def next(self, deadline: Deadline) -> Message:
+        """The next message; PlayerTimeout, PlayerDisconnected, or ProtocolError if it is none."""
+        while True:
+            message = self._reader.take()
+            if message is not None:
+                return message
+            self._reader.feed(self._receive(deadline, RECEIVE_SIZE))
+
+    def waiting(self) -> Message | None:
+        """The next message if it has been received already."""
+        return self._reader.take()
+
+    def _receive(self, deadline: Deadline, size: int) -> bytes:
+        waits: float | None = None
+        if deadline.until is not None:
+            waits = max(deadline.until - monotonic(), LEAST_WAIT)
+        if waits != self._waits:
+            self._socket.settimeout(waits)
+            self._waits = waits
+        try:
+            data = self._socket.recv(size)
+        except TimeoutError as error:
+            if error.errno is not None:  # TCP's own: the network has lost the server
+                self._break(error)
+            raise PlayerTimeout(
+                f"{self.address} did not answer within {deadline.limit:g} s ({deadline.what()})"
+            ) from None
+        except ConnectionResetError:
+            data = b""  # it closed without having read all that was sent
+        except OSError as error:
+            self._break(error)
+        if not data:
+            self.end()
+        if self._tcp:
+            quick_acknowledge(self._socket)
+        return data
+
+    def send(self, data: bytes) -> bool:
+        """Sends; False if the server has closed: what is received then is its last words."""
+        if self._waits is not None:
+            self._socket.settimeout(None)
+            self._waits = None
+        try:
+            self._socket.sendall(data)
+        except (BrokenPipeError, ConnectionResetError):
+            return False
+        except OSError as error:
+            self._break(error)
+        return True
+
+    def end(self) -> NoReturn:
+        """Notes that the server has closed, and raises PlayerDisconnected that says so."""
+        self.ending = f"{self.address} closed the connection"
+        if left := self._reader.buffered:
+            self.ending += f" in the middle of a message ({left} bytes of it came)"
+        self.clean = not left
+        raise PlayerDisconnected(self.ending)
+
+    def _break(self, error: OSError) -> NoReturn:
+        self.ending = f"the connection to {self.address} broke: {error.strerror or error}"
+        raise PlayerDisconnected(self.ending) from None
+
+    def close(self) -> None:
+        """Closes the socket."""
+        release(self._socket)
+        self._socket.close()

@@ -1,0 +1,56 @@
+"""The studies of the papers' results, and the script that writes them down."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from controllers.dispersal import studies
+from controllers.dispersal.grid import simulate
+
+
+@pytest.mark.parametrize("name", studies.TABLE_1)
+def test_our_regions_ask_of_fcdfs_what_the_papers_do(name):
+    region = studies.table_region(name)
+    region.check()
+    total, most = studies.TABLE_1[name][2]
+    outcome = simulate(region)
+    assert studies.is_optimal(outcome)
+    # Ours were picked to come within a thousandth of the paper's totals.
+    assert outcome.travel.sum() == pytest.approx(total, rel=0.001)
+    assert outcome.travel.max() == most
+
+
+def test_small_regions_are_all_tried():
+    # 63 polyominoes of five cells, every cell a door.
+    assert studies.exhaust(5, "fcdfs") == (63 * 5, 0, 0)
+
+
+def test_averages_are_over_the_seeds():
+    region = studies.table_region("flat")
+    row = studies.averages(region, "dflf", 3)
+    runs = [simulate(region, "dflf", seed=seed) for seed in range(3)]
+    assert row.moves == pytest.approx(sum(run.moves.sum() for run in runs) / 3)
+    assert row.makespan == 2 * region.cells - 1
+
+
+def test_shares_tell_covered_runs_from_others():
+    regions = studies.sample(12)
+    assert studies.with_missed_steps(regions, "fcdfs", 0.0, "stop").covered == 1
+    lost = studies.with_missed_steps(regions, "fcdfs", 0.5, "stop")
+    assert (lost.covered, lost.slower != lost.slower) == (0, True)  # nan: nothing to average
+    lit = studies.with_missed_steps(regions, "light", 0.5, "stop")
+    assert (lit.covered, lit.collided, lit.on_shortest_paths) == (1, 0, 1)
+    assert studies.with_doors(regions, "fcdfs", 2, "stay").collided == 0
+
+
+def test_the_script_writes_its_page(tmp_path):
+    script = Path(__file__).parents[3] / "scripts" / "fcdfs_tables"
+    options = ["--runs", "2", "--regions", "5", "--cells", "3", "--no-large", "--out", tmp_path]
+    subprocess.run([sys.executable, script, *map(str, options)], check=True, capture_output=True)
+    page = (tmp_path / "fcdfs.md").read_text()
+    assert "| 30x30 (V = 900) |" in page
+    assert "13620 (32)" in page
+    for shown in page.split("](fcdfs/")[1:]:
+        assert (tmp_path / "fcdfs" / shown.partition(")")[0]).stat().st_size > 0

@@ -1,0 +1,87 @@
+"""FCDFS with bodies: in the simulated world robots make exactly the moves of the grid model."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import troupe
+from controllers.dispersal.generators import random_region
+from controllers.dispersal.grid import Outcome, simulate
+from controllers.dispersal.regions import Region, load
+from sim.result import Result
+from tests.processes import ROOT
+
+WORLDS = ROOT / "worlds"
+CELL = 1.5
+
+
+def cells_of(result: Result, rows: int) -> list[tuple[int, int]]:
+    """(column, row) of every robot at the end, from the true poses."""
+    found = []
+    for record in result.robots:
+        x, y, _ = record.pose
+        found.append((math.floor(x / CELL), rows - 1 - math.floor(y / CELL)))
+    return found
+
+
+def agree(result: Result, region: Region, grid: Outcome) -> None:
+    """The run is the grid's, robot by robot; nobody touched anything."""
+    assert result.outcome == "completed"
+    assert len(result.robots) == grid.cells
+    assert [record.contacts for record in result.robots] == [0] * grid.cells
+    assert [record.properties["travel"] for record in result.robots] == grid.moves.tolist()
+    assert [record.properties["settled_step"] for record in result.robots] == grid.settled.tolist()
+    assert cells_of(result, region.rows) == [tuple(cell) for cell in grid.cell.tolist()]
+    door = result.doors[0]
+    assert door.emitted == grid.cells
+    assert door.steps == grid.entered.tolist()
+
+
+def bits(grid: Outcome) -> list[str]:
+    return [f"{state & 31:05b}" for state in grid.state.tolist()]
+
+
+@pytest.mark.parametrize("name", ["corridor", "maze", "corridor_differential"])
+def test_bodies_move_as_the_grid_model_says(name: str) -> None:
+    region = load(WORLDS / "maps" / f"{name.partition('_')[0]}.txt")
+    grid = simulate(region, "fcdfs5")
+    result = troupe.run(WORLDS / f"fcdfs_{name}.yaml")
+    agree(result, region, grid)
+    assert [record.properties["bits"] for record in result.robots] == bits(grid)
+    assert result.doors[0].steps == [2 * k + 1 for k in range(grid.cells)]
+    assert [record.properties["travel"] for record in result.robots] == grid.travel.tolist()
+    assert sum(grid.travel.tolist()) == grid.sum_of_distances
+
+
+@pytest.mark.parametrize("kind", ["grown", "eroded", "branching", "maze", "rooms"])
+def test_any_simply_connected_map_gives_the_grids_moves(kind: str, tmp_path: Path) -> None:
+    region = random_region(kind, np.random.default_rng(5), 6)
+    map_file = tmp_path / "map.txt"
+    map_file.write_text(region.to_text())
+    result = troupe.run(WORLDS / "fcdfs_rooms.yaml", settings=[f"map.file={map_file}"])
+    agree(result, region, simulate(load(map_file), "fcdfs5"))
+
+
+@pytest.mark.parametrize("rule", ["fcdfs", "symmetric", "left_hand"])
+def test_other_rules_drive_bodies_too(rule: str) -> None:
+    region = load(WORLDS / "maps" / "corridor.txt")
+    result = troupe.run(
+        WORLDS / "fcdfs_corridor.yaml", settings=[f"controllers.fcdfs.args.rule={rule}"]
+    )
+    agree(result, region, simulate(region, rule, seed=result.seed))
+
+
+def test_robots_that_miss_steps_cover_everything_by_the_light(tmp_path: Path) -> None:
+    region = load(WORLDS / "maps" / "corridor.txt")
+    result = troupe.run(
+        WORLDS / "fcdfs_async.yaml",
+        settings=[f"map.file={WORLDS / 'maps' / 'corridor.txt'}", "controllers.fcdfs.args.q=0.2"],
+    )
+    grid = simulate(region, "light", seed=result.seed, q=0.2)
+    agree(result, region, grid)
+    assert {record.properties["color"] for record in result.robots} == {"#0000ff"}
+    assert sum(grid.moves.tolist()) == grid.sum_of_distances

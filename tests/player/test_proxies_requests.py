@@ -1,0 +1,229 @@
+"""Every proxy: what its methods say on the wire, and what they return."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from proxy_talk import GEOMETRY, LASER_CONFIG, POSE, RANGER_CONFIG, talk_with
+from wire_talk import ACK, CMD, REQ
+
+from player import (
+    BlobfinderProxy,
+    BumperProxy,
+    BumperSegment,
+    DioProxy,
+    FiducialProxy,
+    LaserProxy,
+    Position2dProxy,
+    RangerProxy,
+    SimulationProxy,
+    SpeechProxy,
+    XdrError,
+    messages,
+)
+from player.codes import Interface
+
+COMMANDS = [
+    (Position2dProxy, lambda p: p.set_speed(1, 2, vy=3), 1, {"vel": (1, 3, 2), "state": 1}),
+    (
+        Position2dProxy,
+        lambda p: p.go_to(1, 2, 3),
+        2,
+        {"pos": (1, 2, 3), "vel": (0, 0, 0), "state": 1},
+    ),
+    (Position2dProxy, lambda p: p.set_car(1, 2), 3, {"velocity": 1, "angle": 2}),
+    (Position2dProxy, lambda p: p.set_velocity_heading(1, 2), 4, {"velocity": 1, "heading": 2}),
+    (DioProxy, lambda p: p.set_output(5, 3), 1, {"count": 3, "bits": 5}),
+    (SpeechProxy, lambda p: p.say("at goal ✓"), 1, {"text": "at goal ✓"}),
+    (SimulationProxy, lambda p: p.pause(), 1, {}),
+    (SimulationProxy, lambda p: p.reset(), 2, {}),
+    (SimulationProxy, lambda p: p.save(), 3, {}),
+]
+
+
+@pytest.mark.parametrize(("proxy_class", "act", "subtype", "values"), COMMANDS)
+def test_commands(proxy_class, act, subtype, values):
+    def script(talk):
+        heard = talk.expect(proxy_class.interface, CMD, subtype)
+        assert messages.decode(heard.interf, CMD, subtype, heard.payload) == values
+
+    talk_with(proxy_class, script, act)
+
+
+REQUESTS = [
+    # proxy, what is called, subtype, what it sends, what the server answers, what it returns
+    (Position2dProxy, lambda p: p.request_geometry(), 1, {}, GEOMETRY, (POSE, (0.6, 0.4, 0.2))),
+    (Position2dProxy, lambda p: p.set_motor_power(True), 2, {"state": 1}, {}, None),
+    (Position2dProxy, lambda p: p.set_velocity_mode(2), 3, {"value": 2}, {}, None),
+    (Position2dProxy, lambda p: p.set_position_mode(1), 4, {"state": 1}, {}, None),
+    (Position2dProxy, lambda p: p.set_odometry(1, 2, 3), 5, {"pose": (1, 2, 3)}, {}, None),
+    (Position2dProxy, lambda p: p.reset_odometry(), 6, {}, {}, None),
+    (LaserProxy, lambda p: p.request_geometry(), 1, {}, GEOMETRY, (POSE, (0.6, 0.4, 0.2))),
+    (
+        LaserProxy,
+        lambda p: p.configure(LASER_CONFIG),
+        2,
+        LASER_CONFIG._asdict(),
+        LASER_CONFIG._asdict(),
+        LASER_CONFIG,
+    ),
+    (LaserProxy, lambda p: p.request_configuration(), 3, {}, LASER_CONFIG._asdict(), LASER_CONFIG),
+    (LaserProxy, lambda p: p.set_power(False), 4, {"state": 0}, {}, None),
+    (LaserProxy, lambda p: p.request_id(), 5, {}, {"serial_number": 9}, 9),
+    (RangerProxy, lambda p: p.set_power(True), 2, {"value": 1}, {}, None),
+    (RangerProxy, lambda p: p.set_intensity(True), 3, {"value": 1}, {}, None),
+    (
+        RangerProxy,
+        lambda p: p.configure(RANGER_CONFIG),
+        4,
+        RANGER_CONFIG._asdict(),
+        RANGER_CONFIG._asdict(),
+        RANGER_CONFIG,
+    ),
+    (
+        BlobfinderProxy,
+        lambda p: p.set_tracking_color((1, 2), (3, 4), (5, 6), 7),
+        1,
+        {
+            "channel": 7,
+            "red_min": 1,
+            "red_max": 2,
+            "green_min": 3,
+            "green_max": 4,
+            "blue_min": 5,
+            "blue_max": 6,
+        },
+        {},
+        None,
+    ),
+    (
+        FiducialProxy,
+        lambda p: p.request_geometry(),
+        1,
+        {},
+        {**GEOMETRY, "fiducial_size": (1, 2)},
+        (POSE, (0.6, 0.4, 0.2)),
+    ),
+    (
+        FiducialProxy,
+        lambda p: p.request_fov(),
+        2,
+        {},
+        {"min_range": 0, "max_range": 8, "view_angle": 3},
+        (0, 8, 3),
+    ),
+    (FiducialProxy, lambda p: p.request_id(), 7, {}, {"id": 4}, 4),
+    (FiducialProxy, lambda p: p.set_id(5), 8, {"id": 5}, {"id": 5}, 5),
+    (
+        BumperProxy,
+        lambda p: p.request_geometry(),
+        1,
+        {},
+        {"bumpers": [(1, 2, 3, 4, 5, 6, 7, 8)]},
+        [BumperSegment(1, 2, 3, 4, 5, 6, 7, 8)],
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.get_pose2d("r2"),
+        1,
+        {"name": "r2", "pose": (0, 0, 0)},
+        {"name": "r2", "pose": (1, 2, 3)},
+        (1, 2, 3),
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.set_pose2d("r2", (1, 2, 3)),
+        2,
+        {"name": "r2", "pose": (1, 2, 3)},
+        {},
+        None,
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.get_pose3d("r2"),
+        3,
+        {"name": "r2", "pose": (0,) * 6, "simtime": 0},
+        {"name": "r2", "pose": POSE, "simtime": 2.5e6},
+        (POSE, 2.5),
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.set_pose3d("r2", POSE),
+        4,
+        {"name": "r2", "pose": POSE, "simtime": 0},
+        {},
+        None,
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.get_property("r2", "color", size=2),
+        5,
+        {"name": "r2", "property": "color", "index": 0, "value": b"\0\0"},
+        {"name": "r2", "property": "color", "index": 0, "value": b"ab"},
+        b"ab",
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.set_property("r2", "color", b"red", 3),
+        6,
+        {"name": "r2", "property": "color", "index": 3, "value": b"red"},
+        {},
+        None,
+    ),
+    (
+        SimulationProxy,
+        lambda p: p.report("rank", np.int64(2)),
+        6,
+        {"name": "r1", "property": "rank", "index": 0, "value": b"2"},
+        {},
+        None,
+    ),
+]
+
+
+@pytest.mark.parametrize(("proxy_class", "act", "subtype", "sent", "answer", "result"), REQUESTS)
+def test_requests(proxy_class, act, subtype, sent, answer, result):
+    def script(talk):
+        heard = talk.expect(proxy_class.interface, REQ, subtype)
+        assert messages.decode(heard.interf, REQ, subtype, heard.payload) == sent
+        talk.reply(heard, messages.encode(heard.interf, ACK, subtype, **answer))
+
+    # Sizes are doubles on the wire: what goes in comes out.
+    assert talk_with(proxy_class, script, act) == result
+
+
+def test_reports_are_json():
+    value = {"strip": (1, 2), "mean": np.float64(0.5), "path": np.arange(3), "name": "ä"}
+
+    def script(talk):
+        heard = talk.expect(Interface.SIMULATION, REQ, 6)
+        sent = messages.decode(31, REQ, 6, heard.payload)
+        assert json.loads(sent["value"]) == {
+            "strip": [1, 2],
+            "mean": 0.5,
+            "path": [0, 1, 2],
+            "name": "ä",
+        }
+        talk.reply(heard)
+
+    talk_with(SimulationProxy, script, lambda p: p.report("plan", value))
+
+
+@pytest.mark.parametrize("value", [math.nan, object()])
+def test_what_json_cannot_carry_is_refused_before_it_is_sent(value):
+    def act(proxy):
+        with pytest.raises((ValueError, TypeError)):
+            proxy.report("rank", value)
+
+    talk_with(SimulationProxy, lambda talk: None, act)
+
+
+def test_a_command_that_does_not_fit_is_refused_before_it_is_sent():
+    def act(proxy):
+        with pytest.raises(XdrError, match="velocity"):
+            proxy.set_car("fast", 0)
+        with pytest.raises(XdrError, match="m/s and rad/s"):
+            proxy.set_speed("fast")
+
+    talk_with(Position2dProxy, lambda talk: None, act)

@@ -1,0 +1,283 @@
+"""Bodies that meet: nothing passes through anything, and overlaps stay below two centimetres."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from stage_worlds import corners, deepest, overlap, robot, set_up, world
+
+from sim.stage.layout import build_layout
+from sim.stage.stage import Stage
+
+DEEPEST = 0.02
+"""m; the bound that the design of Troupe promises for two robots that touch."""
+SHAPES = ("box", "circle", "polygon")
+
+
+def run(stage: Stage, bodies: list[Any], ticks: int) -> float:
+    """Let time go by; the deepest overlap at the end of any tick."""
+    worst = 0.0
+    for _ in range(ticks):
+        stage.tick()
+        worst = max(worst, deepest(stage, bodies))
+    return worst
+
+
+def test_the_tests_own_geometry_measures_overlaps() -> None:
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    assert overlap(square, np.add(square, [0.99, 0.3])) == pytest.approx(0.01)
+    assert overlap(square, np.add(square, [1.01, 0.3])) == 0.0
+    diamond = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+    assert overlap(square, np.add(diamond, [1.9, 0.5])) == pytest.approx(0.1)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    shapes=st.tuples(st.sampled_from(SHAPES), st.sampled_from(SHAPES)),
+    speed=st.floats(0.1, 3.0),
+    aside=st.floats(-0.3, 0.3),
+    yaws=st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5)),
+    turns=st.tuples(st.floats(-3, 3), st.floats(-3, 3)),
+)
+def test_robots_head_on_do_not_pass_through_each_other(
+    shapes: tuple[str, str],
+    speed: float,
+    aside: float,
+    yaws: tuple[float, float],
+    turns: tuple[float, float],
+) -> None:
+    drive = {"max_speed": 3.0, "max_turn_rate": 200.0, "max_acceleration": 10.0}
+    models = {f"m{k}": robot(shape, drive) for k, shape in enumerate(shapes)}
+    _, stage = set_up(models=models)
+    stage.add_robot("a", "m0", (4.0, 5.0, yaws[0]))
+    stage.add_robot("b", "m1", (6.0, 5.0 + aside, math.pi + yaws[1]))
+    stage.command([0, 1], [[speed, 0.0, turns[0]], [speed, 0.0, turns[1]]])
+    bodies = [stage.models[f"m{k}"].body for k in range(2)]
+    assert run(stage, bodies, 25) <= DEEPEST
+
+
+def test_two_equal_robots_head_on_stop_and_stall() -> None:
+    _, stage = set_up(models={"a": robot()})
+    stage.add_robot("a", "a", (4, 5, 0))
+    stage.add_robot("b", "a", (6, 5, math.pi))
+    stage.command([0, 1], [[0.5, 0.0, 0.0]] * 2)
+    worst = run(stage, [stage.models["a"].body] * 2, 60)
+    assert worst <= DEEPEST
+    assert stage.stalls.all()
+    assert stage.contact_counts.tolist() == [1, 1]
+    assert stage.poses[:, 0] == pytest.approx([4.75, 5.25], abs=0.02)
+    assert np.abs(stage.velocities).max() < 0.01
+
+
+def test_a_pushed_box_moves_and_comes_to_rest_and_stops_at_the_wall() -> None:
+    obstacle = {"shape": "box", "size": (1, 1), "pose": (5, 5, 0), "movable": True, "mass": 5.0}
+    layout, stage = set_up(models={"a": robot()}, obstacles=[obstacle])
+    stage.add_robot("r", "a", (3, 5, 0))
+    bodies = [stage.models["a"].body, layout.movables[0].body]
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    worst = run(stage, bodies, 60)
+    moved = stage.movable_poses[0, 0]
+    assert moved > 5.5
+    assert not stage.stalls[0]  # 100 N against 0.5 x 5 kg x g = 25 N of friction
+    stage.command([0], [[-0.5, 0.0, 0.0]])
+    run(stage, bodies, 10)
+    rested = stage.movable_poses[0].copy()
+    run(stage, bodies, 10)
+    assert np.array_equal(stage.movable_poses[0], rested)
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    worst = max(worst, run(stage, bodies, 120))
+    assert worst <= DEEPEST
+    assert stage.movable_poses[0, 0] == pytest.approx(9.5, abs=DEEPEST)
+    assert stage.stalls[0]
+
+
+def test_a_heavy_box_is_not_moved() -> None:
+    obstacle = {"shape": "circle", "radius": 0.5, "pose": (5, 5, 0), "movable": True, "mass": 50.0}
+    _, stage = set_up(models={"a": robot()}, obstacles=[obstacle])
+    stage.add_robot("r", "a", (4, 5, 0))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    for _ in range(60):
+        stage.tick()
+    # 100 N against 0.5 x 50 kg x g = 245 N of friction
+    assert stage.movable_poses[0] == pytest.approx([5, 5, 0], abs=0.01)
+    assert stage.stalls[0]
+
+
+@pytest.mark.parametrize("kind", ["differential", "omnidirectional"])
+def test_ten_robots_cannot_push_another_through_a_wall(kind: str) -> None:
+    drive = {"kind": kind, "max_force": 400.0, "max_speed": 1.0}
+    _, stage = set_up(models={"a": robot(drive=drive)})
+    stage.add_robot("x", "a", (9.6, 5, 0.3))
+    for k in range(10):
+        angle = math.pi / 2 + math.pi * (k + 0.5) / 10
+        place = np.array([9.6, 5.0]) + 2.0 * np.array([math.cos(angle), math.sin(angle)])
+        stage.add_robot(str(k), "a", (*place, angle - math.pi))
+    stage.command(np.arange(1, 11), [[1.0, 0.0, 0.0]] * 10)
+    assert run(stage, [stage.models["a"].body] * 11, 80) <= DEEPEST
+    assert stage.contact_counts[0] > 0
+    assert corners(stage.models["a"].body, stage.poses[0])[:, 0].max() <= 10.0 + DEEPEST
+
+
+@pytest.mark.parametrize(
+    ("drive", "mass", "count", "size"),
+    [
+        ({"max_speed": 0.5}, 10.0, 200, 14.0),
+        ({"max_speed": 2.0, "max_turn_rate": 360.0, "max_force": 1000.0}, 10.0, 60, 9.0),
+        ({"max_speed": 1.0, "kind": "omnidirectional"}, 1.0, 60, 8.0),
+    ],
+)
+def test_robots_that_drive_blindly_never_leave_a_closed_arena(
+    drive: dict[str, Any], mass: float, count: int, size: float
+) -> None:
+    models = {shape: robot(shape, drive, mass=mass * (k + 1)) for k, shape in enumerate(SHAPES)}
+    _, stage = set_up(size=(size, size), models=models)
+    rng = np.random.default_rng(3)
+    side = math.ceil(math.sqrt(count))
+    bodies = []
+    for k in range(count):
+        place = (np.array([k % side, k // side]) + 0.5) * size / side
+        stage.add_robot(str(k), SHAPES[k % 3], (*place, rng.uniform(-3, 3)))
+        bodies.append(stage.models[SHAPES[k % 3]].body)
+    fast = drive["max_speed"]
+    for tick in range(60):
+        if tick % 10 == 0:
+            low, high = [-fast, -fast, -2.0], [1.5 * fast, fast, 2.0]
+            stage.command(np.arange(count), rng.uniform(low, high, (count, 3)))
+        stage.tick()
+        for body, pose in zip(bodies, stage.poses, strict=True):
+            points = corners(body, pose)
+            assert points.min() > -DEEPEST
+            assert points.max() < size + DEEPEST
+        if tick % 6 == 5:
+            assert deepest(stage, bodies) <= DEEPEST
+    assert stage.contact_counts.sum() > count / 4  # they did meet
+
+
+def test_a_fast_robot_does_not_tunnel_through_a_thin_wall() -> None:
+    obstacle = {"shape": "box", "size": (0.02, 8), "pose": (6, 5, 0)}
+    drive = {"max_speed": 20.0, "max_acceleration": 200.0, "max_force": 5000.0}
+    _, stage = set_up(models={"a": robot(drive=drive)}, obstacles=[obstacle])
+    stage.add_robot("r", "a", (2, 5, 0))
+    stage.command([0], [[20.0, 0.0, 0.0]])
+    worst = run(stage, [stage.models["a"].body], 10)
+    assert worst <= DEEPEST
+    assert stage.poses[0, 0] < 6.0
+
+
+@pytest.mark.parametrize(
+    ("yaw", "force", "moves"),
+    [(0.0, 60.0, False), (1.57, 60.0, False), (0.0, 150.0, True), (1.57, 150.0, True)],
+)
+def test_a_standing_robot_gives_way_only_to_more_than_its_own_force(
+    yaw: float, force: float, moves: bool
+) -> None:
+    """Its wheels hold 100 N, along and across; it is hit at 0.5 m/s, which shoves it a little."""
+    models = {"stands": robot(), "pushes": robot(drive={"max_force": force})}
+    _, stage = set_up(models=models)
+    stage.add_robot("x", "stands", (5, 5, yaw))
+    stage.add_robot("y", "pushes", (4, 5, 0))
+    stage.command([1], [[0.5, 0.0, 0.0]])
+    for _ in range(60):
+        stage.tick()
+    assert (stage.poses[0, 0] > 5.1) == moves
+    assert stage.stalls.tolist() == [False, not moves]  # the first wants nothing
+
+
+def test_a_wall_at_an_angle_lets_a_robot_slide_along() -> None:
+    _, stage = set_up(models={"a": robot("circle", friction=0.0)})
+    stage.add_robot("r", "a", (5, 9.5, math.radians(30)))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    for _ in range(30):
+        stage.tick()
+    assert stage.poses[0, 0] > 5.5
+    assert stage.poses[0, 1] < 9.75 + DEEPEST
+
+
+def test_only_what_begins_to_touch_counts() -> None:
+    _, stage = set_up(models={"a": robot()})
+    stage.add_robot("r", "a", (9.0, 5, 0))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    for _ in range(60):
+        stage.tick()
+    assert stage.contact_counts[0] == 1  # it has been pressed to the wall since
+    assert stage.touching[0]
+    stage.command([0], [[-0.5, 0.0, 0.0]])
+    for _ in range(10):
+        stage.tick()
+    assert not stage.touching[0]
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    for _ in range(30):
+        stage.tick()
+    assert stage.contact_counts[0] == 2
+
+
+def test_a_robot_that_slides_over_the_seams_of_a_map_touches_one_wall_once(
+    tmp_path: Any,
+) -> None:
+    # The steps below the row of free cells make a wall of many blocks with one straight face.
+    rows = ["#" * 12, "#" + "." * 10 + "#", "#" * 12, "#.#.#.#.#.##", "############"]
+    (tmp_path / "seams.txt").write_text("\n".join(rows))
+    made = world(size=None, map={"file": "seams.txt", "cell": 1.0}, models={"a": robot("circle")})
+    stage = Stage(build_layout(made, tmp_path), made.models, made.clock)
+    stage.add_robot("r", "a", (1.5, 3.26, math.radians(-20)))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    for _ in range(120):
+        stage.tick()
+    assert stage.poses[0, 0] > 5.0
+    assert stage.contact_counts[0] == 1
+
+
+def test_contact_points_lie_on_both_bodies() -> None:
+    _, stage = set_up(models={"a": robot()})
+    stage.add_robot("a", "a", (4.7, 5, 0))
+    stage.add_robot("b", "a", (5.3, 5.1, math.pi))
+    stage.add_robot("c", "a", (2, 2, 0))
+    stage.command([0, 1], [[0.5, 0.0, 0.0]] * 2)
+    for _ in range(10):
+        stage.tick()
+    robots, points = stage.contact_points
+    assert robots.tolist() == [0, 0, 1, 1]  # two corners each, the same from either side
+    assert np.array_equal(points[:2], points[2:])
+    for body, pose in ((stage.models["a"].body, stage.poses[k]) for k in range(2)):
+        outline = corners(body, pose)
+        for point in points:
+            edges = zip(outline, np.roll(outline, -1, axis=0), strict=True)
+            off = [abs(np.linalg.det([q - p, point - p])) / math.dist(p, q) for p, q in edges]
+            assert min(off) <= DEEPEST / 2  # midway through the overlap
+    assert points[:, 1].min() == pytest.approx(4.9, abs=0.02)
+    assert points[:, 1].max() == pytest.approx(5.2, abs=0.02)
+
+
+def test_robots_that_overlap_when_put_down_are_parted() -> None:
+    _, stage = set_up(models={"a": robot()})
+    stage.add_robot("a", "a", (5, 5, 0))
+    stage.add_robot("b", "a", (3, 3, 0))
+    stage.set_pose(1, (5.3, 5.1, 0.2))
+    for _ in range(30):
+        stage.tick()
+    assert deepest(stage, [stage.models["a"].body] * 2) <= DEEPEST
+
+
+def test_a_stage_repeats_bit_by_bit() -> None:
+    ways = []
+    for _ in range(2):
+        _, stage = set_up(size=(6.0, 6.0), models={shape: robot(shape) for shape in SHAPES})
+        rng = np.random.default_rng(5)
+        for k in range(25):
+            place = (k % 5 + 0.7, k // 5 + 0.7)
+            stage.add_robot(str(k), SHAPES[k % 3], (*place, rng.uniform(-3, 3)))
+        way = []
+        for tick in range(40):
+            if tick % 8 == 0:
+                stage.command(np.arange(25), rng.uniform(-0.5, 0.5, (25, 3)))
+            if tick == 20:
+                stage.settle(7)
+            stage.tick()
+            way.append((stage.poses.tobytes(), stage.contact_points[1].tobytes()))
+        ways.append(way)
+    assert ways[0] == ways[1]

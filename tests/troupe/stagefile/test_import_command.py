@@ -1,0 +1,87 @@
+"""`troupe import`: what it writes, what it prints, and its exit codes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner, Result
+
+from sim.worldfile import load
+from troupe.import_command import import_
+
+DATA = Path(__file__).parent / "data"
+
+app = typer.Typer()
+app.command()(import_)
+
+
+def run(*words: object) -> Result:
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+@pytest.mark.parametrize("name", ["yard", "hall", "open"])
+def test_the_result_is_a_world_file_in_order(name: str, tmp_path: Path) -> None:
+    done = run(DATA / f"{name}.world", "-o", tmp_path / "w.yaml")
+    assert done.exit_code == 0, done.stderr
+    assert load(tmp_path / "w.yaml").robots
+    assert done.stdout.endswith(
+        f"w.yaml: written and in order (troupe run {tmp_path / 'w.yaml'})\n"
+    )
+
+
+def test_the_list_names_file_and_line(tmp_path: Path) -> None:
+    done = run(DATA / "yard.world", DATA / "yard.cfg", "-o", tmp_path / "w.yaml")
+    listed = done.stdout.split("otherwise than in Stage:")[0]
+    for where in ("yard.cfg:4: 6670:gripper:0", "yard.cfg:8: driver vfh", "yard.world:24: gripper",
+                  "yard.world:21: ctrl", "rover.inc:24: odom_error"):  # fmt: skip
+        assert where in listed
+
+
+def test_without_o_it_is_written_to_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(DATA / "hall.world").exit_code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"hall.yaml", "hall_map.png"}
+
+
+@pytest.mark.parametrize("name", ["hall.yaml", "hall_map.png"])
+def test_no_file_is_written_over_unless_forced(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("mine")
+    words = (DATA / "hall.world", "-o", tmp_path / "hall.yaml")
+    done = run(*words)
+    assert done.exit_code == 2
+    assert f"{name}: exists already" in done.stderr
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [(name, "mine")]
+    assert run(*words, "--force").exit_code == 0
+
+
+def test_a_mistake_in_the_input_is_told_with_its_place_and_nothing_is_written(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "bad.world").write_text("resolution 0.02\nmodel ( sise [1 1 1)\n")
+    done = run(tmp_path / "bad.world", "-o", tmp_path / "w.yaml")
+    assert done.exit_code == 2
+    assert "bad.world:2:20: a list holds numbers and strings" in done.stderr
+    assert not done.stdout
+    assert not (tmp_path / "w.yaml").exists()
+
+
+def test_a_missing_file_is_a_mistake(tmp_path: Path) -> None:
+    done = run(tmp_path / "none.world")
+    assert done.exit_code == 2
+    assert "No such file" in done.stderr
+
+
+def test_a_world_that_must_be_mended_is_written_and_the_code_is_1(tmp_path: Path) -> None:
+    (tmp_path / "two.world").write_text(
+        'position ( name "a" )\nposition ( name "b" pose [0.1 0 0 0] )\n'
+    )
+    done = run(tmp_path / "two.world", "-o", tmp_path / "w.yaml")
+    assert done.exit_code == 1
+    assert "must be mended by hand" in done.stdout
+    assert "w.yaml:" in done.stderr
+    assert "robot a" in done.stderr
+    assert (tmp_path / "w.yaml").exists()

@@ -1,0 +1,458 @@
+"""Worlds in Stage's format become worlds of ours: everything stands where Stage puts it."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from sim.worldfile import LoadedWorld, load
+from troupe.import_command import report, write
+from troupe.stagefile import Note, StageError, convert
+
+DATA = Path(__file__).parent / "data"
+
+
+@dataclass
+class Import:
+    """What came out of an import, as text, as data, and loaded."""
+
+    text: str
+    data: dict[str, Any]
+    loaded: LoadedWorld
+    notes: list[Note]
+    path: Path
+
+    def robot(self, name: str) -> dict[str, Any]:
+        return next(robot for robot in self.data["robots"] if robot["name"] == name)
+
+    def model(self, name: str) -> dict[str, Any]:
+        model: dict[str, Any] = self.data["models"][self.robot(name)["model"]]
+        return model
+
+    def noted(self, kind: str, where: str) -> list[str]:
+        """What the notes of a kind say about FILE:LINE."""
+        return [
+            note.what for note in self.notes
+            if note.kind == kind and f"{Path(note.place.file).name}:{note.place.line}" == where
+        ]  # fmt: skip
+
+
+def imported(world: Path, cfg: Path | None, folder: Path) -> Import:
+    path = folder / "out" / "world.yaml"
+    path.parent.mkdir(exist_ok=True)
+    converted = convert(str(world), None if cfg is None else str(cfg), path)
+    write(converted, path, force=True)
+    data = yaml.safe_load(converted.text)
+    return Import(converted.text, data, load(path), converted.notes, path)
+
+
+@pytest.fixture
+def world(tmp_path: Path):
+    """Imports a world of the data folder, or a text."""
+
+    def make(text: str, cfg: str | None = None) -> Import:
+        for file in DATA.iterdir():
+            shutil.copy(file, tmp_path)
+        path = tmp_path / text if "\n" not in text and text.endswith(".world") else None
+        if path is None:
+            path = tmp_path / "text.world"
+            path.write_text(text)
+        if cfg is not None and not cfg.endswith(".cfg"):
+            (tmp_path / "text.cfg").write_text(cfg)
+            cfg = "text.cfg"
+        return imported(path, tmp_path / cfg if cfg else None, tmp_path)
+
+    return make
+
+
+FLOOR = "model ( size [20 10 1] boundary 1 )\n"
+
+
+# -- places -------------------------------------------------------------------------------------
+
+
+def test_robots_stand_where_stage_puts_them_seen_from_the_lower_left_corner(world) -> None:
+    got = world("yard.world")
+    # The floorplan's middle is at (2, -1) and it is 12 x 8 m: its corner is Stage's (-4, -5).
+    assert got.loaded.layout.size == (12, 8)
+    poses = {robot.name: robot.pose for robot in got.loaded.robots}
+    for name, (x, y, heading) in {"r0": (-3, -4, 90), "r1": (7, 2, -135)}.items():
+        assert poses[name] == pytest.approx((x + 4, y + 5, math.radians(heading)), abs=1e-9)
+    assert "Stage's origin is at [4, 5] here" in got.text
+
+
+def test_walls_of_a_bitmap_stand_where_stage_puts_them(world) -> None:
+    got = world("yard.world")
+    inside = got.loaded.layout.inside
+
+    def free(x: float, y: float) -> bool:  # in Stage's coordinates
+        return bool(inside([(x + 4, y + 5)])[0])
+
+    # 120 x 80 pixels of 0.1 m; rows 30 to 33 (from the top, y = 3) and columns 20 to 69 are wall.
+    assert not free(-4 + 2.05, 3 - 3.05)
+    assert not free(-4 + 6.95, 3 - 3.35)
+    assert free(-4 + 1.95, 3 - 3.05)
+    assert free(-4 + 2.05, 3 - 2.95)
+    assert free(-4 + 2.05, 3 - 3.45)
+    assert not free(-4 + 6.65, 3 - 5.95)
+    assert free(-4 + 6.55, 3 - 5.95)
+
+
+def test_a_bitmap_that_serves_as_it_is_is_named_from_the_outputs_folder(world) -> None:
+    got = world("yard.world")
+    assert got.data["map"] == {
+        "file": "../yard.png", "resolution": 0.1, "color": "gray30", "height": 0.8,
+    }  # fmt: skip
+    assert not list(got.path.parent.glob("*.png"))
+
+
+def test_a_white_margin_is_cut_off_and_the_rest_stretched_as_stage_does(world) -> None:
+    got = world("hall.world")
+    assert got.data["map"]["file"] == "world_map.png"
+    assert got.loaded.layout.size == (14, 6)
+    inside = got.loaded.layout.inside
+    # Dark pixels: columns 10 to 79, rows 10 to 39 of 90 x 50, on 14 x 6 m: 0.2 m per pixel.
+    edge = [(0.1, 3), (13.9, 3), (7, 0.1), (7, 5.9)]
+    assert not inside(edge).any()
+    # The blue block (first channel 0, so solid) at columns 50 to 53, rows 20 to 29; the red one
+    # (first channel 255) beside it is none.
+    assert not inside([((50 - 10 + 0.5) * 0.2, 6 - (20 - 10 + 0.5) * 0.2)])[0]
+    assert inside([((30 - 10 + 0.5) * 0.2, 6 - (20 - 10 + 0.5) * 0.2)])[0]
+    assert any("drawn anew" in what for what in got.noted("differs", "hall.world:6"))
+
+
+@pytest.mark.parametrize("heading", [0, 90, 180, 30])
+def test_a_turned_and_stretched_bitmap_keeps_its_walls_within_a_cell(world, heading: int) -> None:
+    got = world(
+        f'model ( bitmap "yard.png" size [24 8 1] pose [3 2 0 {heading}] )\n'
+        "model ( size [80 80 1] boundary 1 )\n"
+    )
+    rng = np.random.default_rng(3)
+    local = np.column_stack([rng.uniform(-12, 12, 4000), rng.uniform(-4, 4, 4000)])
+    column, row = np.floor((local[:, 0] + 12) / 0.2), np.floor((4 - local[:, 1]) / 0.1)
+    wall = (row >= 30) & (row < 34) & (column >= 20) & (column < 70)
+    wall |= (row >= 34) & (row < 60) & (column >= 66) & (column < 70)
+    wall |= (row == 0) | (row == 79) | (column == 0) | (column == 119)
+    angle = math.radians(heading)
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    places = local @ turn.T + (3, 2) + (40, 40)
+    agree = ~got.loaded.layout.inside(places) == wall
+    # Cells are half the smallest pixel, 0.05 m: a point is in a cell whose centre, which decides,
+    # lies at most half a diagonal, 0.0354 m, away.
+    sure = ~near_an_edge(local, 0.036)
+    assert sure.mean() > 0.8
+    assert agree[sure].all()
+
+
+def near_an_edge(local: np.ndarray, reach: float) -> np.ndarray:
+    """Whether points come within `reach` metres of an edge of yard.png's pixels on 24 x 8 m."""
+    xs = np.array([0.0, 0.2, 4.0, 13.2, 14.0, 23.8, 24.0]) - 12
+    ys = 4 - np.array([0.0, 0.1, 3.0, 3.4, 6.0, 7.9, 8.0])
+    near_x = (abs(local[:, :1] - xs) < reach).any(axis=1)
+    near_y = (abs(local[:, 1:] - ys) < reach).any(axis=1)
+    return near_x | near_y
+
+
+def test_two_floorplans_become_one_map(world) -> None:
+    got = world(
+        'model ( bitmap "yard.png" size [12 8 1] pose [0 0 0 0] )\n'
+        'model ( bitmap "yard.png" size [12 8 1] pose [12 0 0 0] color "blue" )\n'
+        "model ( size [30 10 1] boundary 1 pose [6 0 0 0] )\n"
+    )
+    inside = got.loaded.layout.inside
+    for middle in (0, 12):
+        x, y = middle - 6 + 2.05 + 9, 4 - 3.05 + 5
+        assert not inside([(x, y)])[0]
+    assert got.noted("differs", "text.world:2") == ["the walls of a map have one colour: red"]
+
+
+def test_a_world_without_a_floorplan_has_room_around_everything_and_no_boundary(world) -> None:
+    got = world("open.world")
+    assert got.data["boundary"] is None
+    x, y = (float(n) for n in got.text.split("origin is at [")[1].split("]")[0].split(","))
+    poses = {robot.name: robot.pose for robot in got.loaded.robots}
+    assert poses["position_0"] == pytest.approx((10 + x, 10 + y, math.radians(20)))
+    assert poses["position_1"] == pytest.approx((-3 + x, 2 + y, math.radians(-170)))
+    width, height = got.loaded.layout.size
+    assert all(0 < pose[0] < width and 0 < pose[1] < height for pose in poses.values())
+
+
+def test_a_model_with_a_robot_inside_is_walls_as_stage_sees_it(world) -> None:
+    walls = world("open.world").data["obstacles"]
+    assert len(walls) == 4
+    assert all(wall["size"] == [4, 0.01] and wall["color"] == "brown" for wall in walls)
+
+
+def test_a_boundary_of_the_outermost_model_is_the_worlds(world) -> None:
+    got = world('model ( size [20 10 0.7] boundary 1 color "green" pose [5 5 0 90] )\n')
+    assert got.data["size"] == [10, 20]
+    assert got.data["boundary"] == {"color": "green", "height": 0.7}
+
+
+def test_lengths_and_angles_are_in_the_files_units(world) -> None:
+    got = world("hall.world")
+    assert got.robot("cart_1")["pose"] == pytest.approx([7 - 4, 3 + 1, 90])
+    laser = next(s for s in got.model("cart_1")["sensors"] if s["type"] == "laser")
+    assert laser == {
+        "type": "laser", "pose": [0.1, 0, -90], "range": 10, "fov": 180, "samples": 91,
+    }  # fmt: skip
+
+
+def test_a_child_stands_in_its_parents_frame(world) -> None:
+    got = world(FLOOR + "model ( pose [2 1 0 90] model ( pose [1 0 0 45] size [0.2 0.2 1] ) )\n")
+    child = got.data["obstacles"][1]
+    assert child["pose"] == pytest.approx([10 + 2, 5 + 1 + 1, 135])
+
+
+# -- bodies and obstacles -----------------------------------------------------------------------
+
+
+def test_blocks_are_scaled_to_the_models_size_and_moved_to_its_origin(world) -> None:
+    body = world("hall.world").model("cart_1")["body"]
+    assert body["shape"] == "polygon"
+    # A triangle of 4 x 2 on 1 x 0.6 m, moved 0.2 m ahead.
+    expected = {(-0.3, -0.3), (0.7, 0.0), (-0.3, 0.3)}
+    assert {tuple(round(c, 9) for c in point) for point in body["points"]} == expected
+
+
+def test_an_obstacle_that_is_not_convex_becomes_pieces_of_the_same_area(world) -> None:
+    pieces = [o for o in world("hall.world").data["obstacles"] if o["shape"] == "polygon"]
+    total = 0.0
+    for piece in pieces:
+        x, y = np.array(piece["points"]).T
+        total += 0.5 * abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+    assert total == pytest.approx(0.4 * 0.2 * 3 / 4)  # an L: three of four quarters of its box
+
+
+def test_a_robot_of_several_blocks_has_their_hull_and_it_is_noted(world) -> None:
+    got = world(
+        FLOOR + "position ( size [1 1 1]\n"
+        "block( points 4 point[0] [0 0] point[1] [3 0] point[2] [3 1] point[3] [0 1] )\n"
+        "block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 3] point[3] [0 3] ) )\n"
+    )
+    assert len(got.model("position_0")["body"]["points"]) == 5
+    assert any("convex hull" in what for what in got.noted("differs", "text.world:2"))
+
+
+def test_what_a_gripper_could_take_can_be_pushed(world) -> None:
+    got = world("yard.world")
+    ball = next(o for o in got.data["obstacles"] if o["size"] == [0.3, 0.3])
+    assert (ball["movable"], ball["mass"]) == (True, 0.5)
+
+
+def test_a_model_with_a_fiducial_is_a_robot_that_cannot_move(world) -> None:
+    model = world("hall.world").model("north")
+    assert (model["drive"], model["fiducial"]) == (None, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "color"),
+    [
+        ('color "Light Blue"', "lightblue"),
+        ("color_rgba [1 0.5 0 1]", "#ff8000"),
+        ('color "random"', "red"),
+        ('color "nosuch"', "red"),
+        ("", "red"),
+    ],
+)
+def test_colours_are_carried_over(world, text: str, color: str) -> None:
+    got = world(FLOOR + f"position ( {text} )\n")
+    assert got.model("position_0")["body"]["color"] == color
+    assert bool(got.noted("differs", "text.world:2")[1:]) == (text.endswith(('dom"', 'such"')))
+
+
+# -- robots -------------------------------------------------------------------------------------
+
+
+def test_a_drive_keeps_its_limits(world) -> None:
+    assert world("yard.world").model("r0")["drive"] == {
+        "kind": "differential", "max_speed": 0.6, "max_turn_rate": 120,
+    }  # fmt: skip
+    assert world("open.world").model("position_0")["drive"]["kind"] == "omnidirectional"
+    car = world("hall.world").model("cart_1")["drive"]
+    assert (car["kind"], car["wheelbase"]) == ("car", 0.4)
+
+
+def test_robots_that_differ_in_nothing_share_a_model(world) -> None:
+    got = world(
+        FLOOR + "define a position ( )\na ( )\na ( pose [2 2 0 0] )\na ( mass 3 pose [4 4 0 0] )\n"
+    )
+    assert [robot["model"] for robot in got.data["robots"]] == ["a", "a", "a_2"]
+
+
+def test_names_that_we_cannot_have_are_changed_and_noted(world) -> None:
+    got = world("hall.world")
+    assert [robot["name"] for robot in got.data["robots"]] == ["cart_1", "cart_1_2", "north"]
+    assert got.noted("differs", "hall.world:24")[-1] == "robot cart 1 is called cart_1_2 here"
+
+
+def test_localization_is_carried_over(world) -> None:
+    assert world("yard.world").model("r0")["localization"] == "odometry"
+    assert world("hall.world").model("cart_1")["localization"] == "gps"
+
+
+# -- sensors ------------------------------------------------------------------------------------
+
+
+def test_single_beams_are_the_elements_of_one_ranger(world) -> None:
+    assert world("yard.world").model("r0")["sensors"][0] == {
+        "type": "ranger",
+        "elements": [[0.2, 0.1, 45], [0.2, -0.1, -45], [-0.2, 0, 180]],
+        "range": 3,
+        "fov": 20,
+    }
+
+
+def test_a_scan_is_a_laser_with_the_variance_of_its_noise_as_deviation(world) -> None:
+    assert world("yard.world").model("r0")["sensors"][1] == {
+        "type": "laser", "pose": [0.1, 0, 0], "range": 8, "fov": 270, "samples": 271, "noise": 0.02,
+    }  # fmt: skip
+
+
+def test_several_scans_of_one_ranger_are_sensors_of_their_own(world) -> None:
+    got = world(
+        FLOOR + "position ( ranger ( pose [0.1 0 0 90]\n"
+        "sensor ( pose [0.2 0 0 0] samples 10 fov 30 ) sensor ( samples 20 fov 60 ) ) )\n"
+    )
+    first, second = got.model("position_0")["sensors"]
+    assert first["pose"] == pytest.approx([0.1, 0.2, 90])
+    assert (second["samples"], second["fov"], second["range"]) == (20, 60, 5)
+
+
+def test_a_blobfinder_keeps_view_image_and_colours(world) -> None:
+    blobs = world("hall.world").model("cart_1")["sensors"][0]
+    assert blobs["pose"] == pytest.approx([0, 0, math.degrees(0.75)])
+    del blobs["pose"]
+    assert blobs == {
+        "type": "blobfinder", "range": 7, "fov": 90, "image": [64, 48],
+        "colors": ["red", "lightblue"],
+    }  # fmt: skip
+
+
+def test_bumpers_are_arcs_as_wide_as_they_are_seen_from_the_middle(world) -> None:
+    ahead, left = world("hall.world").model("cart_1")["sensors"][2]["parts"]
+    half = math.degrees(math.atan2(0.2, 0.5))
+    assert ahead == pytest.approx([-half, half])
+    assert left == pytest.approx([45, 135])
+
+
+def test_the_ranger_of_stage_3_is_read(world) -> None:
+    got = world(
+        FLOOR + "position ( ranger ( scount 2 spose[0] [0.1 0 30] spose[1] [0 0.1 90]\n"
+        "sview [0 4 25] ) )\n"
+    )
+    assert got.model("position_0")["sensors"] == [
+        {"type": "ranger", "elements": [[0.1, 0, 30], [0, 0.1, 90]], "range": 4, "fov": 25}
+    ]
+
+
+# -- time, and what is left out -----------------------------------------------------------------
+
+
+def test_interval_and_end_are_carried_over(world) -> None:
+    got = world("yard.world")
+    assert got.data["clock"] == {"interval": 0.2}
+    assert (got.data["duration"], got.data["until"]) == (45, "duration")
+
+
+def test_comments_say_from_which_line_a_thing_comes(world) -> None:
+    lines = world("yard.world").text.splitlines()
+    for begin, end in {
+        "size:": "# yard.world:13",
+        "clock:": "# yard.world:4",
+        "map:": "# yard.world:18",
+        "  - {name: r0,": "# yard.world:21",
+        "      - {type: laser,": "# rover.inc:5",
+        "    drive: {kind: differential": "# rover.inc:25",
+    }.items():
+        assert any(line.startswith(begin) and line.endswith(end) for line in lines), begin
+
+
+LEFT_OUT = {
+    "gripper ( )": "gripper",
+    "camera ( )": "camera",
+    "actuator ( )": "actuator",
+    'localization "odom" odom_error [1 0 0 0]': "odom_error",
+    'localization "odom"': "odom_error",
+    'ctrl "lasernoise 3"': "controllers: {lasernoise: {program: ./lasernoise.py}}",
+    'ctrl "wander"': "controller: wander",
+    "ranger ( )": "measures nothing",
+    "model ( )": "a part of position",
+    "watts 10": "watts",
+    "nosuch 3": "nosuch",
+    "velocity [1 0 0 0]": "velocity",
+    'say "hello"': "say",
+    "update_interval 500": "update_interval",
+}
+
+
+@pytest.mark.parametrize(("inside", "words"), LEFT_OUT.items())
+def test_what_is_not_carried_over_is_listed_with_file_and_line(
+    world, inside: str, words: str
+) -> None:
+    got = world(FLOOR + f"position (\n{inside} )\n")
+    assert any(words in what for what in got.noted("lost", "text.world:3"))
+
+
+def test_every_property_is_used_or_listed(world) -> None:
+    names = [f"unheard_of_{n}" for n in range(3)]
+    got = world(
+        f"{names[0]} 1\nmodel ( size [20 10 1] boundary 1 {names[1]} 2 )\n"
+        f"position ( ranger ( sensor ( {names[2]} 3 samples 9 ) ) )\n"
+    )
+    lost = " ".join(note.what for note in got.notes if note.kind == "lost")
+    assert all(name in lost for name in names)
+
+
+def test_what_concerns_stages_window_is_listed_apart(world) -> None:
+    got = world("yard.world")
+    assert got.noted("unneeded", "yard.world:8") == ["window: concerns Stage's window"]
+    assert got.noted("unneeded", "rover.inc:26")
+    lines = report(got.notes)
+    assert lines.index("not carried over:") < lines.index("of no use here:")
+
+
+def test_a_hundred_robots_that_lack_the_same_are_one_line(world) -> None:
+    robots = "".join(f"position ( pose [{n % 10} {n // 10} 0 0] gripper ( ) )\n" for n in range(30))
+    got = world(FLOOR + robots.replace("gripper ( )", "mass 3 friction 2"))
+    lines = [line for line in report(got.notes) if "friction" in line]
+    assert len(lines) == 1
+    assert "30 places in all" in lines[0]
+
+
+# -- mistakes -----------------------------------------------------------------------------------
+
+BAD = {
+    "position ( pose [0 0] )": ("1:12", "pose needs 3 numbers"),
+    'model ( size ["a" "b" "c"] )': ("1:9", "size needs numbers"),
+    "model ( size [0 1 1] )": ("1:9", "above 0"),
+    'unit_length "feet"': ("1:1", "m or cm or mm"),
+    'position ( drive "hover" )': ("1:12", "diff, omni, car"),
+    "position ( velocity_bounds [1 2] )": ("1:12", "8 numbers"),
+    "position ( block ( points 3 point[0] [0 0] ) )": ("1:12", "no point[1]"),
+    "position ( block ( points 2 ) )": ("1:12", "at least 3 points"),
+    'model ( bitmap "none.png" )': ("1:9", "No such file"),
+    'model ( bitmap "rover.inc" )': ("1:9", "no image"),
+    "interval_sim 0": ("1:1", "above 0"),
+    'position ( localization "magic" )': ("1:12", "not magic"),
+    "position ( bumper ( ) )": ("1:12", "bcount"),
+    "position ( ranger ( sensor ( range [0 0] ) ) )": ("1:21", "range above 0"),
+}
+
+
+@pytest.mark.parametrize(("text", "told"), BAD.items())
+def test_what_stage_could_not_use_either_is_a_mistake_with_its_place(
+    world, text: str, told: tuple[str, str]
+) -> None:
+    place, words = told
+    with pytest.raises(StageError) as caught:
+        world(text + "\n")
+    assert f"text.world:{place}: " in str(caught.value)
+    assert words in str(caught.value)
