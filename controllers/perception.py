@@ -80,7 +80,7 @@ def segments(
     max_range: float,
     jump: float = 0.5,
 ) -> list[Segment]:
-    """A scan cut into surfaces: where the range jumps by more than `jump` metres, or nothing is hit.
+    """A scan cut into surfaces, where the range jumps by more than `jump` m, or nothing is hit.
 
     `points` (n, 2) and `ranges` (n,) come from one `LaserProxy`; readings at `max_range` hit
     nothing and belong to no segment.
@@ -102,7 +102,7 @@ def segments(
 def segments_in(
     found: Iterable[Segment], bearings: NDArray[np.float64], sighting: Sighting, slack: float
 ) -> list[Segment]:
-    """The segments whose middle lies within a sighting's bearings, `slack` radians more each side."""
+    """The segments whose middle lies in a sighting's bearings, `slack` radians more each side."""
     return [
         segment
         for segment in found

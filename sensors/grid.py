@@ -212,7 +212,7 @@ def wall_grid(walls: Floats) -> tuple[Floats, Ints, Ints]:
     ends = np.concatenate([walls[:, :2], walls[:, :2] + walls[:, 2:]])
     low = ends.min(axis=0) - 1e-6
     width, height = ends.max(axis=0) + 1e-6 - low
-    # About half a wall a cell; long walls lie in many cells, so not finer than 2**16 cells.
+    # About two walls a cell; long walls lie in many cells, so not finer than 2**16 cells.
     cells = min(max(len(walls) // 2, 16), 1 << 16)
     size = max(math.sqrt(width * height / cells), max(width, height) / cells)
     columns, rows = int(width / size) + 1, int(height / size) + 1

@@ -242,9 +242,7 @@ class Engine:
 
     def doors_done(self) -> bool:
         """Whether every door's cell holds a robot whose controller has finished."""
-        ended = [
-            robot for robot, driver in enumerate(self.crew.drivers) if driver.kind != "none"
-        ]
+        ended = [robot for robot, driver in enumerate(self.crew.drivers) if driver.kind != "none"]
         return self.doors.filled(self.scenery.stage, ended)
 
     def result(self, outcome: Outcome, wall_time: float) -> Result:

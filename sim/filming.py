@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from sim.video.recorder import Recorder
     from sim.worldfile import LoadedWorld
 
+
 def open_recorder(
     path: Path,
     loaded: LoadedWorld,
@@ -133,4 +134,3 @@ class Film:
                     )
                 )
         return drawn
-

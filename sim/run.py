@@ -57,7 +57,10 @@ def run_world(
 
 @contextlib.contextmanager
 def interruptible(engine: Engine) -> Iterator[None]:
-    """Turn SIGINT and SIGTERM into an orderly end; a second one ends at once."""
+    """Turn SIGINT and SIGTERM into an orderly end; before there is anything to lose, at once.
+
+    A second signal ends at once as well.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -66,7 +69,8 @@ def interruptible(engine: Engine) -> Iterator[None]:
         end.setblocking(False)
 
     def interrupt(number: int, frame: object) -> None:
-        if engine.crew.interrupted:
+        compiling = engine.ticks <= 1 and not engine.crew.waiting  # perhaps: do not wait for it
+        if engine.crew.interrupted or compiling:
             raise KeyboardInterrupt
         engine.crew.interrupted = True
 
@@ -75,7 +79,9 @@ def interruptible(engine: Engine) -> Iterator[None]:
             reading.recv(4096)
 
     engine.server.watch(reading, drain)
-    before = {number: signal.signal(number, interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {
+        number: signal.signal(number, interrupt) for number in (signal.SIGINT, signal.SIGTERM)
+    }
     wakeup = signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
     try:
         yield
@@ -85,4 +91,3 @@ def interruptible(engine: Engine) -> Iterator[None]:
             signal.signal(number, handler)
         reading.close()
         writing.close()
-

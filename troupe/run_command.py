@@ -141,4 +141,3 @@ def parse_listen(text: str) -> tuple[str, int]:
     if not port.isdecimal() or not 0 <= int(port) <= 65535:
         raise ValueError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
     return host.strip("[]") or "127.0.0.1", int(port)
-

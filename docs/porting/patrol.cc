@@ -30,5 +30,5 @@ int main(int argc, char** argv) {
   }
   base.SetSpeed(0.0, 0.0);
   std::cout << "at " << base.GetXPos() << " " << base.GetYPos() << " after "
-            << robot.GetDataTime() << " s; orange in " << seen << " pictures" << std::endl;
+            << base.GetDataTime() << " s; orange in " << seen << " pictures" << std::endl;
 }

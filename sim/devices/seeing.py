@@ -18,7 +18,7 @@ from sim.devices.ranging import SENSOR_SIZE
 COUNTS = struct.Struct(">II")
 BLOBS = struct.Struct(">IIII")
 BLOB = np.dtype(
-    [(name, ">u4") for name in "id color area x y left right top bottom".split()]
+    [(name, ">u4") for name in ["id", "color", "area", "x", "y", "left", "right", "top", "bottom"]]
     + [("range", ">f4")]
 )
 FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6)])
@@ -117,9 +117,7 @@ class Bumper(SensorDevice):
         rows = []
         for start, end in arcs:
             middle, span = 0.5 * (start + end), end - start
-            pose = flat_pose(
-                REACH * math.cos(middle), REACH * math.sin(middle), float(middle)
-            )
+            pose = flat_pose(REACH * math.cos(middle), REACH * math.sin(middle), float(middle))
             rows.append((*pose, REACH * float(span), REACH))
         return {"bumpers": rows}
 

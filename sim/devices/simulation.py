@@ -141,6 +141,6 @@ def parse_color_value(data: bytes) -> int:
     if not (isinstance(text, str) and len(text) == 7 and text[0] == "#"):
         raise Refused
     try:
-        return int(text[1:], 16)
+        return int(str(text[1:]), 16)
     except ValueError:
         raise Refused from None

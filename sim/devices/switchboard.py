@@ -101,7 +101,7 @@ class Switchboard:
         except Refused:
             connection.session.refuse(event)
             return
-        connection.session.acknowledge(event, reply)
+        connection.session.acknowledge(event, None if reply is None else dict(reply))
 
     def wanted(self) -> list[Device]:
         """The devices that somebody has subscribed."""

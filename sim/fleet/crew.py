@@ -68,6 +68,7 @@ class Crew:
         self.drivers: list[Driver] = []
         self.behind: dict[int, None] = {}  # robots whose controllers the world waits for
         self.interrupted = False
+        self.waiting = False  # for clients: a signal that comes now need not break off anything
         self.paused: Callable[[], bool] = lambda: False
         self.hinted = False
         fleet.attach(server.watch, server.unwatch)
@@ -104,7 +105,10 @@ class Crew:
             left = self.time_left() if until is None else until - monotonic()
             if until is not None and left <= 0:
                 return False
-            self.take(self.server.poll(max(0.0, min(left, 1.0))))
+            self.waiting = True
+            events = self.server.poll(max(0.0, min(left, 1.0)))
+            self.waiting = False
+            self.take(events)
             self.server.flush()
             self.notice_ends()
             if until is None and not self.paused():

@@ -10,9 +10,9 @@ beside it.
             "env": {...}, "root": ...} + descriptors [output] or [output, connection]
     kill   {"op": "kill", "id": 3}
 
-It answers `{"op": "ended", "id": 3, "code": 0}` when a child's process has ended (a negative code is
-a signal's number). When the simulator goes away, however it dies, the socket reaches its end, and
-the fork server kills every child and all that the children started, and ends.
+It answers `{"op": "ended", "id": 3, "code": 0}` when a child's process has ended (a negative code
+is a signal's number). When the simulator goes away, however it dies, the socket reaches its end,
+and the fork server kills every child and all that the children started, and ends.
 """
 
 from __future__ import annotations
@@ -62,9 +62,7 @@ class ForkServer:
         poll = select.poll()  # not select(): a descriptor may be larger than 1023
         poll.register(self.wake_read, select.POLLIN)
         while True:
-            poll.register(
-                self.control, select.POLLIN | (select.POLLOUT if self.outbox else 0)
-            )
+            poll.register(self.control, select.POLLIN | (select.POLLOUT if self.outbox else 0))
             ready = dict(poll.poll())
             if self.wake_read in ready:
                 with contextlib.suppress(BlockingIOError):
@@ -225,11 +223,11 @@ def run_program(message: dict[str, Any]) -> int:
     import threading  # noqa: PLC0415
     import traceback  # noqa: PLC0415
 
-    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
-    sys.stdout = open(1, "w", encoding="utf-8", errors="replace", buffering=1, closefd=False)
-    sys.stderr = open(  # noqa: SIM115
-        2, "w", encoding="utf-8", errors="backslashreplace", buffering=1, closefd=False
-    )
+    from player import PlayerDisconnected  # noqa: PLC0415
+
+    sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)
+    sys.stdout = os.fdopen(1, "w", 1, encoding="utf-8", errors="replace", closefd=False)
+    sys.stderr = os.fdopen(2, "w", 1, encoding="utf-8", errors="replace", closefd=False)
     target, argv = message["target"], message["argv"]
     if message["kind"] == "exec":
         try:
@@ -253,6 +251,10 @@ def run_program(message: dict[str, Any]) -> int:
         else:
             print(end.code, file=sys.stderr)
             code = 1
+    except PlayerDisconnected as error:
+        # the run has ended while the program was busy with something else than `read`
+        print(error, file=sys.stderr)
+        code = 1
     except BaseException as error:
         # what runpy and this file add to a traceback is of no use to its reader
         frames = traceback.extract_tb(error.__traceback__)

@@ -12,7 +12,7 @@ import numpy as np
 
 from sim.stage.geometry import Floats, outline, placed
 from sim.stage.layout import Layout
-from sim.stage.room import Room
+from sim.stage.room import ROUNDING, Room
 from sim.worldfile.mistakes import Mistake, WorldError
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ TRIES = 500
 """Random poses tried for a robot before the places on a lattice are looked through."""
 LINES = 50
 """Random lines tried for robots that start on the same y."""
+MOST_ROWS = 400
+"""Lines of a lattice tried for them after that."""
 APART = 1e-6
 """m between robots that are asked to keep no margin: to touch would be a contact."""
 TOUCH = 1e-6
@@ -89,24 +91,55 @@ def _attempts(
     same_y: bool,
 ) -> Iterator[Attempt]:
     """Ways to place an entry: at random, and where that fails as close as a lattice allows."""
-    low, high = room.low[1], room.high[1]
-    if not same_y:
-
-        def scattered(index: int) -> Iterator[Floats]:
-            for _ in range(TRIES):
-                yield np.array([*rng.uniform(room.low, room.high), _heading(robots[index], rng)])
-            yield from _lattice(room, robots[index], shape, margin, None)
-
-        yield scattered
-        yield lambda index: _lattice(room, robots[index], shape, margin, None)
+    if room.too_small_for(len(robots), shape, margin):
         return
+    if not same_y:
+        yield _scattered(room, robots, shape, margin, rng)
+        close = _lattice(room, robots[0], shape, margin, None)
+        yield lambda index: close
+        return
+    narrowest = _least_width(shape)
+    if len(robots) * (narrowest + margin) + margin > room.high[0] - room.low[0] + ROUNDING:
+        return
+    low, high = room.low[1], room.high[1]
     for _ in range(LINES):
         line = _spread(room, robots, shape, margin, rng, float(rng.uniform(low, high)))
         if line is not None:
             yield lambda index, line=line: iter([line[index]])  # type: ignore[misc]
-    finest = float((shape.max(axis=0) - shape.min(axis=0)).min()) / 4.0
-    for y in np.linspace(low, high, min(max(2, math.ceil((high - low) / finest)), 400)).tolist():
-        yield lambda index, y=y: _lattice(room, robots[index], shape, margin, y)  # type: ignore[misc]
+    rows = min(max(2, math.ceil((high - low) / (narrowest / 4.0))), MOST_ROWS)
+    for y in np.linspace(low, high, rows).tolist():
+        row = _lattice(room, robots[0], shape, margin, y)
+        yield lambda index, row=row: row  # type: ignore[misc]
+
+
+def _scattered(
+    room: Room, robots: list[RobotSpec], shape: Floats, margin: float, rng: np.random.Generator
+) -> Attempt:
+    """Random poses; once a robot has found none, a lattice for it and those after it.
+
+    All robots of an entry go through one and the same lattice: a place that was taken for one
+    is taken for the next.
+    """
+    lattice = _lattice(room, robots[0], shape, margin, None)
+    jammed = False
+
+    def poses(index: int) -> Iterator[Floats]:
+        nonlocal jammed
+        for _ in range(0 if jammed else TRIES):
+            yield np.array([*rng.uniform(room.low, room.high), _heading(robots[index], rng)])
+        jammed = True
+        # Not `yield from`: that would end the lattice together with the robot's search.
+        while (pose := next(lattice, None)) is not None:
+            yield pose
+
+    return poses
+
+
+def _least_width(shape: Floats) -> float:
+    """The width of a convex outline (k, 2) across the direction in which it is narrowest."""
+    edges = np.roll(shape, -1, axis=0) - shape
+    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
+    return float(np.ptp(shape @ normals.T, axis=0).min())
 
 
 def _fill(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.stage.geometry import Floats, distance_to_edges, in_convex, separation
+from sim.stage.geometry import Floats, distance_to_edges, in_convex, separation, signed_area
 from sim.stage.layout import Layout
 
 ROUNDING = 1e-7
@@ -20,8 +20,9 @@ class Room:
     """
 
     def __init__(self, layout: Layout, *, doors: bool = True) -> None:
-        self._arena = layout.arena if layout.region is None else layout.region
         self._outer = layout.arena
+        self._arena = layout.arena if layout.region is None else layout.region
+        self._slanted = layout.region is not None
         self.low: Floats = self._arena.min(axis=0)
         self.high: Floats = self._arena.max(axis=0)
         self._outlines: list[Floats] = []
@@ -59,6 +60,17 @@ class Room:
         """Whether all points (n, 2) are where robots may be."""
         return bool(in_convex(points, self._outer).all())
 
+    def too_small_for(self, count: int, shape: Floats, margin: float) -> bool:
+        """Whether so many bodies with this outline are more than the region's area can hold.
+
+        Bodies that keep a margin may each be grown by half of it without overlapping; grown so
+        they are within the region's bounds less half a margin all around.
+        """
+        edges = np.roll(shape, -1, axis=0) - shape
+        each = signed_area(shape) + float(np.hypot(*edges.T).sum()) * margin / 2
+        width, height = np.maximum(self.high - self.low - margin, 0.0)
+        return bool(count * each > min(width * height, signed_area(self._arena)))
+
     def fits(self, vertices: Floats, margin: float) -> bool:
         """Whether a body with this outline is in the region and far enough from everything.
 
@@ -67,7 +79,7 @@ class Room:
         low, high = vertices.min(axis=0) - margin, vertices.max(axis=0) + margin
         if np.any(low < self.low - ROUNDING) or np.any(high > self.high + ROUNDING):
             return False
-        if len(self._arena) != 4 or self._arena is not self._outer:
+        if self._slanted:
             if not in_convex(vertices, self._arena).all():
                 return False
             # The corner of a convex body is what comes nearest to a convex region's edge.

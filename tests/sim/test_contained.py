@@ -17,7 +17,9 @@ from player import LaserProxy, PlayerClient, Position2dProxy
 """
 
 
-def test_an_exception_is_reported_with_its_traceback_and_the_others_go_on(world_with: World) -> None:
+def test_an_exception_is_reported_with_its_traceback_and_the_others_go_on(
+    world_with: World,
+) -> None:
     path = world_with(
         READS
         + """

@@ -21,9 +21,12 @@ LOOP = """
 from player import PlayerClient, Position2dProxy
 with PlayerClient() as robot:
     base = Position2dProxy(robot)
-    print("ready", flush=True)
+    told = False
     while robot.read():
         base.set_speed(0.1)
+        if robot.time > 0.5 and not told:
+            print("ready", flush=True)
+            told = True
 """
 STUBBORN = """
 import signal
@@ -68,7 +71,7 @@ def start(world_with: World) -> Iterator[Callable[..., Run]]:
     runs: list[Run] = []
 
     def begin(program: str = LOOP, *words: str) -> Run:
-        runs.append(Run(world_with(program, until="duration"), *words))
+        runs.append(Run(world_with(program, until="controllers"), *words))
         return runs[-1]
 
     yield begin
