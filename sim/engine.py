@@ -99,7 +99,7 @@ class Engine:
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
         self.pace = Pace(self.settings.realtime)
-        self.stalled = np.zeros(0, bool)
+        self.stalled = b""  # a byte per robot
 
     @property
     def time(self) -> float:
@@ -201,12 +201,12 @@ class Engine:
         """Digest and counters."""
         stage = self.scenery.stage
         self.digest.add(stage.poses)
-        stalls = stage.stalls
-        before = np.zeros(len(stalls), bool)
-        before[: len(self.stalled)] = self.stalled
-        for robot in np.flatnonzero(stalls & ~before):
-            self.context.records[robot].stalls += 1
-        self.stalled = stalls.copy()
+        stalled = stage.stalls.tobytes()
+        if stalled != self.stalled:
+            before = self.stalled.ljust(len(stalled), b"\0")
+            for robot, (now, then) in enumerate(zip(stalled, before, strict=True)):
+                self.context.records[robot].stalls += now > then
+            self.stalled = stalled
 
     def keep_pace(self) -> None:
         """With --realtime, wait until the wall clock has caught up; requests are answered."""

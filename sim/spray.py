@@ -16,15 +16,17 @@ class Sprayers:
 
     def __init__(self) -> None:
         self.mounts: dict[tuple[int, int], Sprayer] = {}
+        self.were_on = False
 
     def add(self, robot: int, index: int, sprayer: Sprayer) -> None:
         self.mounts[(robot, index)] = sprayer
 
     def mark(self, context: Context) -> None:
         """Paint under the sprayers that are on."""
-        if not self.mounts:
-            return
         on = sorted(key for key, is_on in context.spraying.items() if is_on)
+        if not on and not self.were_on:
+            return
+        self.were_on = bool(on)
         floor = context.floor
         robots = np.array([robot for robot, _ in on], np.int64)
         floor.spray(

@@ -1,4 +1,4 @@
-"""What must go together in a world as a whole: size, region, paint layer and ports."""
+"""What must go together in a world as a whole: size, region, paint, ports, doors and clock."""
 
 from __future__ import annotations
 
@@ -38,6 +38,25 @@ def size_mistakes(world: World, size: tuple[float, float]) -> list[Mistake]:
                 f"at most {MOST_CELLS:.3g} cells",
             )
         )
+    return mistakes
+
+
+def period_mistakes(world: World) -> list[Mistake]:
+    """Periods of doors whose steps would not end where a tick does."""
+    mistakes: list[Mistake] = []
+    interval = world.clock.interval
+    for index, door in enumerate(world.doors):
+        ticks = door.period / interval
+        if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-9 * ticks:
+            near = interval * max(1, round(ticks))
+            mistakes.append(
+                Mistake(
+                    ("doors", index, "period"),
+                    "is not a whole number of the clock's intervals",
+                    f"{door.period:g}",
+                    f"a multiple of {interval:g}, such as {near:g}",
+                )
+            )
     return mistakes
 
 

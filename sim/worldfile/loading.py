@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.worldfile import nodes
-from sim.worldfile.extents import port_mistakes, size_mistakes
+from sim.worldfile.crowds import crowd_mistakes
+from sim.worldfile.extents import period_mistakes, port_mistakes, size_mistakes
 from sim.worldfile.files import FileSet, rebased
 from sim.worldfile.mistakes import Mistake, WorldError
 from sim.worldfile.nodes import MappingNode
@@ -103,6 +104,9 @@ def _checked(
     robots = tuple(expanded(entries))
     mistakes += name_mistakes(robots, doors)
     mistakes += port_mistakes(world, len(robots))
+    if not found.lost("clock"):
+        late = period_mistakes(world)
+        mistakes += [replace(one, where=_in_list(found, one.where)) for one in late]
     if found.lost("size") or found.lost("map"):
         return None, mistakes
     layout, start, more = _laid_out(world, path, robots)
@@ -126,6 +130,9 @@ def _laid_out(
     mistakes = size_mistakes(world, layout.size)
     known = [robot for robot in robots if robot.model in world.models]
     mistakes += check_start(layout, known, world.models)
+    crowded = crowd_mistakes(known, world.models, layout.size)
+    if crowded:
+        return layout, None, mistakes + crowded
     try:
         return layout, place(layout, known, world.models, world.seed), mistakes
     except WorldError as error:

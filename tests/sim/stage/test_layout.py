@@ -116,7 +116,7 @@ def maze(tmp_path: Path, text: str, **keys: Any) -> Layout:
     (tmp_path / "maze.txt").write_text(text)
     made = world(
         **{"size": None, **keys},
-        map={"file": "maze.txt", "cell": 1.5, "color": "lime"},
+        map={"file": "maze.txt", "cell": 1.5, "color": "#00ff00"},
         models={"a": robot()},
     )
     return build_layout(made, tmp_path)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shlex
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ import numpy as np
 import pytest
 import yaml
 
-from sim.worldfile import load
+from sim.worldfile import WorldError, load
 from sim.worldfile.json_schema import json_schema
 
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "worlds.md"
@@ -40,6 +42,7 @@ def documented() -> dict[str, dict[str, str]]:
     return sections
 
 
+@cache
 def in_schema() -> dict[str, dict[str, dict[str, Any]]]:
     """Section, named as in the docs -> key -> its JSON Schema; of shapes all keys in one."""
     schema = json_schema()
@@ -105,6 +108,26 @@ def test_required_keys_are_documented_as_required() -> None:
     }  # fmt: skip
     for section, key in required:
         assert "default" not in in_schema()[section][key], f"{section}.{key}"
+
+
+def test_mistakes_are_told_as_documented(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arena.yaml").write_text(
+        BASE.replace("0.3", "-0.3").replace("    drive: {kind: differential}\n", "")
+        + "robots:\n  - {model: rover, pose: [5, 4, 0], contoler: wander}\n"
+    )
+    with pytest.raises(WorldError) as raised:
+        load("arena.yaml")
+    assert f"```text\n{raised.value}\n```" in TEXT
+
+
+def test_the_documented_settings_can_be_laid_upon_their_world() -> None:
+    lines = re.findall(r"^    (troupe run .*--set .*)$", TEXT, re.MULTILINE)
+    assert lines
+    for line in lines:
+        _, _, world, *words = shlex.split(line)
+        assert words[::2] == ["--set"] * (len(words) // 2)
+        load(DOCS.parents[1] / "worlds" / f"{world}.yaml", settings=words[1::2])
 
 
 def test_there_are_examples() -> None:

@@ -218,8 +218,13 @@ TABLE = [
         "7:26: robots.1.pose: the robot starts in robot rover1",
     ),
     (
+        "robots: [{model: rover, placement: {same_y: true, margin: 5}, count: 2}]",
+        "5:10: robots.0: 2 robot(s) of model rover do not fit here",
+    ),
+    (
         "robots: [{model: rover, count: 500, placement: random}]",
-        "5:10: robots.0: 500 robot(s) of model rover do not fit here",
+        "5:10: robots.0: 500 robot(s) of model rover do not fit here: with those before they need "
+        "192.4 m2 of 78.21 (allowed: fewer robots, a smaller margin, or a larger world)",
     ),
     # doors
     ("doors: [{name: s, at: X, model: rover, period: 1}]", "5:23: doors.0.at: must be a place (gi"),
@@ -230,6 +235,15 @@ TABLE = [
         "5:68: doors.0.controller: there is no such controller",
     ),
     ("doors: [{name: s, at: [1, 1], model: rover}]", "5:9: doors.0.period: is missing"),
+    (
+        "doors: [{name: s, at: [1, 1], model: rover, period: 0.25}]",
+        "5:53: doors.0.period: is not a whole number of the clock's intervals (given: 0.25; allowed: "
+        "a multiple of 0.1, such as 0.2)",
+    ),
+    (
+        "doors: [{name: s, at: [1, 1], model: rover, period: 0.01}]",
+        "5:53: doors.0.period: is not a",
+    ),
     (
         "doors:\n  - {name: s, at: [1, 1], model: rover, period: 1}\n"
         "  - {name: s, at: [3, 1], model: rover, period: 1}",
