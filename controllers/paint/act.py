@@ -16,6 +16,9 @@ from .speak import fail, say
 if TYPE_CHECKING:
     from .brain import Brain, Command
 
+PORING = 15.0
+"""For so long (s) a robot looks exactly at another that is nearly level before it looks around."""
+
 DOUBT = 10.0
 """What is seen must contradict the number of robots for this long (s) before it is believed."""
 
@@ -67,7 +70,7 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
     low, high = memory.bounds.below
     say(brain, command, f"observing: {low} to {high} robots are below me")
     if memory.step_to is not None:
-        target = (memory.step_to, pose.y)
+        target = (memory.step_to, memory.row)
         direction = look.RIGHT if target[0] > pose.x else look.LEFT
         if not looks_at(pose, direction) and abs(target[0] - pose.x) > 0.3:
             if may_turn(region, pose, tracks, brain.time):
@@ -90,16 +93,8 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
         return
     if brain.time < memory.gaze_until or not new_cycle:
         return
-    level = look.nearly_level(tracks, brain.time)
-    if level is not None and memory.looks % 12 < 10:
-        spacing = float(scan.bearings[1] - scan.bearings[0])
-        gaze = look.fine_gaze(pose, level, spacing, memory.looks % 2 == 1)
-        if gaze is not None:
-            memory.looks += 1
-            error = gaze - pose.yaw
-            command.motion = turn(pose, pose.yaw + 2.0 * error, limits)
-            memory.gaze = gaze if abs(error) > 0.005 else pose.yaw
-            return
+    if fine_look(brain, scan, command):
+        return
     memory.looks += 1
     if memory.looks % 4 == 0:
         undecided = memory.bounds.above[0] < memory.bounds.above[1]
@@ -110,6 +105,31 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
             return
     next_gaze = look.LEFT if math.cos(memory.gaze) > 0.0 else look.RIGHT
     memory.gaze = next_gaze
+
+
+def fine_look(brain: Brain, scan: Scan, command: Command) -> bool:
+    """Look exactly at a robot that is nearly level, until its side is known; false if none is.
+
+    Not for longer than PORING at a time: meanwhile others move.
+    """
+    memory = brain.memory
+    level = look.nearly_level(memory.tracks.all, brain.time)
+    if level is None:
+        memory.poring_since = None
+        return False
+    if memory.poring_since is None:
+        memory.poring_since = brain.time
+    if brain.time - memory.poring_since > PORING:
+        memory.poring_since = None
+        return False
+    memory.fine_looks += 1
+    spacing = float(scan.bearings[1] - scan.bearings[0])
+    gaze = look.fine_gaze(brain.pose, level, spacing, memory.fine_looks % 2 == 1)
+    if gaze is not None:
+        memory.gaze = gaze
+        memory.gaze_until = brain.time
+        command.motion = turn(brain.pose, 2.0 * gaze - brain.pose.yaw, brain.settings.limits)
+    return True
 
 
 def row_hidden(brain: Brain, direction: float) -> bool:

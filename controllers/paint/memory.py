@@ -77,6 +77,15 @@ class Memory:
     looks: int = 0
     """Looks taken (half turns), to know when looking from here has shown all it can."""
 
+    poring_since: float | None = None
+    """Since when it has looked exactly at a robot that is nearly level, so as to end some time."""
+
+    fine_looks: int = 0
+    """Exact looks taken: upper and lower corner are looked at in turn."""
+
+    row: float = 0.0
+    """The height at which it started: side-steps stay on it, so that level robots stay level."""
+
     step_to: float | None = None
     """Where a side-step goes to (x), until it is made."""
 

@@ -108,7 +108,7 @@ def _one_face(
         tilt = float(off[:, axis] @ off[:, along] / max(off[:, along] @ off[:, along], 1e-9))
     misfit = float(np.abs(off[:, axis] - tilt * off[:, along]).max())
     face = float(middle[axis])
-    left, right = _narrowed(bounds, face + towards * HALF, axis, eye, passes)
+    left, right = _narrowed(bounds, face + towards * HALF, axis, tilt, eye, passes)
     if left > right:
         return None
     face += tilt * (0.5 * (left + right) - float(middle[along]))
@@ -124,6 +124,7 @@ def _narrowed(
     bounds: tuple[float, float],
     exact: float,
     axis: int,
+    tilt: float,
     eye: tuple[float, float],
     passes: tuple[Floats | None, Floats | None],
 ) -> tuple[float, float]:
@@ -134,8 +135,11 @@ def _narrowed(
     for ray in passes:
         if ray is None or abs(ray[axis]) < 1e-6:
             continue
+        slope = float(ray[along] / ray[axis])
+        near = eye[along] + slope * (exact - eye[axis])
+        corner = math.copysign(HALF, near - middle)  # the corners that this ray can pass
         crossings = [
-            eye[along] + ray[along] / ray[axis] * (exact + side - eye[axis])
+            eye[along] + slope * (exact + side + tilt * corner - eye[axis])
             for side in (-HALF, HALF)
         ]
         if min(crossings) > middle:

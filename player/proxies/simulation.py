@@ -31,7 +31,7 @@ class SimulationProxy(Proxy):
         Such properties stand in the run's result. Raises ValueError or TypeError where JSON
         cannot carry it (NaN), PlayerRefused where the server does not take it.
         """
-        import json  # noqa: PLC0415 - a third of the time that importing all the rest takes
+        import json  # noqa: PLC0415 - only reports need it, and controllers start by the hundred
 
         text = json.dumps(value, allow_nan=False, default=_plain)
         self.set_property(self.client.name, key, text.encode())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ class FloorPaint:
         self.resolution = resolution
         self._layout = layout
         self._shape = (rows, columns)
-        self._before: dict[int, tuple[float, float, float]] = {}
+        self._before: dict[int, Floats] = {}
         self._painted = 0
         self._visits = 0
         self._ready = False
@@ -108,64 +108,74 @@ class FloorPaint:
         if not len(sprayers) and not self._before:
             return
         self._prepare()
-        before, self._before = self._before, {}
+        start = np.full((len(sprayers), 3), np.nan)
         for k, sprayer in enumerate(sprayers.tolist()):
-            cos, sin = math.cos(poses[k, 2]), math.sin(poses[k, 2])
-            ahead, left = offsets[k]
-            now = (
-                float(poses[k, 0] + cos * ahead - sin * left),
-                float(poses[k, 1] + sin * ahead + cos * left),
-                float(poses[k, 2]),
-            )
-            self._before[sprayer] = now
-            last = before.get(sprayer)
-            length, width = float(sizes[k, 0]), float(sizes[k, 1])
-            stamps = 1
-            if last is not None:
-                way = math.hypot(now[0] - last[0], now[1] - last[1])
-                stamps = max(1, math.ceil(way / (0.5 * min(length, width))))
-            for stamp in range(1, stamps + 1):
-                pose = now if last is None else between(last, now, stamp / stamps)
-                painted, visits = _stamp(
-                    self._owner,
-                    self._visited,
-                    self._counts,
-                    self.resolution,
-                    np.int16(robots[k] + 1),
-                    pose,
-                    last if last is not None else pose,
-                    last is not None,
-                    0.5 * length + EDGE,
-                    0.5 * width + EDGE,
-                )
-                self._painted += painted
-                self._visits += visits
-                last = pose
+            start[k] = self._before.get(sprayer, np.nan)
+        end = np.empty((len(sprayers), 3))
+        cosine, sine = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+        end[:, 0] = poses[:, 0] + cosine * offsets[:, 0] - sine * offsets[:, 1]
+        end[:, 1] = poses[:, 1] + sine * offsets[:, 0] + cosine * offsets[:, 1]
+        end[:, 2] = poses[:, 2]
+        painted, visits = _spray(
+            self._owner, self._visited, self._counts, self.resolution, robots, start, end,
+            np.asarray(sizes, dtype=np.float64),
+        )  # fmt: skip
+        self._painted += painted
+        self._visits += visits
+        self._before = dict(zip(sprayers.tolist(), end, strict=True))
 
 
-def between(
-    first: tuple[float, float, float], last: tuple[float, float, float], part: float
-) -> tuple[float, float, float]:
-    """The pose `part` of the way (0 to 1) from the first to the last, turning the short way."""
-    if part >= 1.0:
-        return last
-    turn = math.remainder(last[2] - first[2], math.tau)
-    return (
-        first[0] + part * (last[0] - first[0]),
-        first[1] + part * (last[1] - first[1]),
-        first[2] + part * turn,
-    )
+@compiled
+def _spray(
+    owner: Any,
+    visited: Any,
+    counts: Any,
+    resolution: float,
+    robots: Any,
+    start: Any,
+    end: Any,
+    sizes: Any,
+) -> tuple[int, int]:
+    """Paint under sprayers (k,) on their way from `start` to `end` (k, 3).
+
+    A sprayer that moves by more than half of its lesser side is stamped in between too. One
+    whose start is not a number was off. Returns newly painted cells, and visits.
+    """
+    painted, visits = 0, 0
+    for k in range(len(robots)):
+        half_length, half_width = sizes[k, 0] / 2.0 + EDGE, sizes[k, 1] / 2.0 + EDGE
+        was_on = not math.isnan(start[k, 0])
+        last, stamps, turn = end[k], 1, 0.0
+        if was_on:
+            last = start[k]
+            way = math.hypot(end[k, 0] - last[0], end[k, 1] - last[1])
+            stamps = max(1, math.ceil(way / min(half_length, half_width)))
+            turn = math.pi - (math.pi - end[k, 2] + last[2]) % (2.0 * math.pi)
+        for stamp in range(1, stamps + 1):
+            pose = end[k].copy()
+            if stamp < stamps:
+                part = stamp / stamps
+                pose[:2] = start[k, :2] + part * (end[k, :2] - start[k, :2])
+                pose[2] = start[k, 2] + part * turn
+            fresh, came = _stamp(
+                owner, visited, counts, resolution, robots[k] + 1, pose, last, was_on,
+                half_length, half_width,
+            )  # fmt: skip
+            painted += fresh
+            visits += came
+            last, was_on = pose, True
+    return painted, visits
 
 
 @compiled
 def _stamp(
-    owner: NDArray[np.int16],
-    visited: NDArray[np.uint16],
-    counts: NDArray[np.bool_],
+    owner: Any,
+    visited: Any,
+    counts: Any,
     resolution: float,
-    mark: np.int16,
-    pose: tuple[float, float, float],
-    last: tuple[float, float, float],
+    mark: int,
+    pose: Any,
+    last: Any,
     was_on: bool,
     half_length: float,
     half_width: float,
@@ -183,20 +193,21 @@ def _stamp(
     painted = 0
     visits = 0
     for row in range(first_row, last_row + 1):
-        dy = (row + 0.5) * resolution - pose[1]
+        y = (row + 0.5) * resolution
         for column in range(first_column, last_column + 1):
-            dx = (column + 0.5) * resolution - pose[0]
-            if abs(cos * dx + sin * dy) > half_length or abs(cos * dy - sin * dx) > half_width:
-                continue
             if not counts[row, column]:
+                continue
+            x = (column + 0.5) * resolution
+            dx, dy = x - pose[0], y - pose[1]
+            if abs(cos * dx + sin * dy) > half_length or abs(cos * dy - sin * dx) > half_width:
                 continue
             if owner[row, column] == 0:
                 painted += 1
             owner[row, column] = mark
-            dx, dy_last = dx + pose[0] - last[0], dy + pose[1] - last[1]
+            dx, dy = x - last[0], y - last[1]
             if was_on and (
-                abs(cos_last * dx + sin_last * dy_last) <= half_length
-                and abs(cos_last * dy_last - sin_last * dx) <= half_width
+                abs(cos_last * dx + sin_last * dy) <= half_length
+                and abs(cos_last * dy - sin_last * dx) <= half_width
             ):
                 continue
             visits += 1

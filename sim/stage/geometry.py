@@ -21,7 +21,9 @@ def rotated(points: ArrayLike, heading: float) -> Floats:
     cosine, sine = math.cos(heading), math.sin(heading)
     flat = np.asarray(points, dtype=np.float64)
     x, y = flat[:, 0], flat[:, 1]
-    turned: Floats = np.stack([x * cosine - y * sine, x * sine + y * cosine], axis=1)
+    turned = np.empty_like(flat)
+    turned[:, 0] = x * cosine - y * sine
+    turned[:, 1] = x * sine + y * cosine
     return turned
 
 

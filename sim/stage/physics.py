@@ -36,6 +36,8 @@ class Physics:
         self._joints: list[list[pymunk.Constraint]] = []
         self._leaders: list[pymunk.Body | None] = []
         self._following: list[bool] = []
+        self._names: list[int] = []
+        self._leader_names: list[int] = []
         self._shapes: dict[Any, int] = {}
         self._contacts = ContactTable(self._space)
         self.table = BodyTable(self._space)
@@ -57,6 +59,8 @@ class Physics:
         self._joints.append(joints)
         self._leaders.append(None)
         self._following.append(False)
+        self._names.append(body.id)
+        self._leader_names.append(0)
         record = mover(
             schema, drive, moment=body.moment, reach=reach(schema), shape=self._shape(schema)
         )
@@ -85,7 +89,7 @@ class Physics:
         leader = self._leaders[number]
         if leader is None:
             leader = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            self._leaders[number] = leader
+            self._leaders[number], self._leader_names[number] = leader, leader.id
             self._joints[number] = bodies.follow(leader, body, drive.max_force, drive.max_torque)
         change = self._space.add if following else self._space.remove
         change(leader, *self._joints[number])
@@ -115,13 +119,13 @@ class Physics:
         ids = self.table.index().astype(np.int64)
         order = np.argsort(ids)
         ranked = ids[order]
-        own = np.array([body.id for body in self._bodies], dtype=np.int64)
+        own = np.array(self._names, dtype=np.int64)
         if len(own):
             movers["row"] = order[np.searchsorted(ranked, own)]
             movers["control"] = -1
             led = np.nonzero(np.array(self._following))[0]
-            names = [leader.id for leader in map(self._leaders.__getitem__, led.tolist()) if leader]
-            movers["control"][led] = order[np.searchsorted(ranked, np.array(names, dtype=np.int64))]
+            leaders = np.array(self._leader_names, dtype=np.int64)[led]
+            movers["control"][led] = order[np.searchsorted(ranked, leaders)]
         standing = np.array(list(self._standing), dtype=np.int64)
         groups = np.array(list(self._standing.values()), dtype=np.int64)
         names_of_all = np.concatenate([own, standing])

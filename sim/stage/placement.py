@@ -241,8 +241,10 @@ def check_start(
         given = f"robot {robot.name} at [{robot.pose[0]:g}, {robot.pose[1]:g}]"
         centre = np.array([robot.pose[:2]])
         if not room.holds(centre):
-            size = f"within {room.high[0]:g} x {room.high[1]:g} m"
-            mistakes.append(Mistake(where, "the robot starts outside of the world", given, size))
+            allowed = f"within {layout.size[0]:g} x {layout.size[1]:g} m"
+            if layout.arena is layout.region:
+                allowed += ", and within the region, whose edges are walls"
+            mistakes.append(Mistake(where, "the robot starts outside of the world", given, allowed))
             continue
         for other in room.overlapped(vertices, TOUCH):
             if other < first:

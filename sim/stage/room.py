@@ -77,7 +77,9 @@ class Room:
         Far enough: `margin`, or the other's margin if that is more; the region's edges too.
         """
         low, high = vertices.min(axis=0) - margin, vertices.max(axis=0) + margin
-        if np.any(low < self.low - ROUNDING) or np.any(high > self.high + ROUNDING):
+        if low[0] < self.low[0] - ROUNDING or low[1] < self.low[1] - ROUNDING:
+            return False
+        if high[0] > self.high[0] + ROUNDING or high[1] > self.high[1] + ROUNDING:
             return False
         if self._slanted:
             if not in_convex(vertices, self._arena).all():

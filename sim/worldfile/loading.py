@@ -130,6 +130,9 @@ def _laid_out(
     mistakes = size_mistakes(world, layout.size)
     known = [robot for robot in robots if robot.model in world.models]
     mistakes += check_start(layout, known, world.models)
+    poses = [robot.pose for robot in known if robot.pose is not None]
+    if len(poses) == len(known):
+        return layout, np.array(poses, dtype=np.float64).reshape(-1, 3), mistakes
     crowded = crowd_mistakes(known, world.models, layout.size)
     if crowded:
         return layout, None, mistakes + crowded

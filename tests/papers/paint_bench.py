@@ -201,7 +201,7 @@ def run(
                 outcome.distance[i] += math.hypot(move_x[i], move_y[i])
         _judge(outcome, poses, touching, normals, limits)
         heights = poses[order, 1]
-        if (heights[1:] < heights[:-1] - np.where(level, 1e-6, 0.0)).any():
+        if (heights[1:] < heights[:-1] - np.where(level, 0.01, 0.0)).any():
             outcome.swaps += 1
         if trail:
             outcome.trail.append(poses.copy())

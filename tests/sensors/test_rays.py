@@ -233,3 +233,22 @@ def test_an_empty_scene_shows_nothing():
     ranges, hits = cast(Scene(), [[0, 0, 0]], [-1], np.pi, 4, 6.0)
     assert (ranges == 6.0).all()
     assert (hits == -1).all()
+
+
+def test_a_ray_two_billionths_beside_a_corner_gives_one_answer():
+    """The fan's middle ray aims just past, or just onto, corners that stand out against nothing."""
+    rng = np.random.default_rng(11)
+    pair = Pair()
+    box = pair.polygon((0, 0, 0.4))
+    corners = brute_force.placed(np.array([0, 0, 0.4]), BOX)
+    for _ in range(100):
+        bearing = rng.uniform(-np.pi, np.pi)
+        x, y = 3 * np.cos(bearing), 3 * np.sin(bearing)
+        toward = np.angle(corners - complex(x, y))
+        middle = np.angle(-complex(x, y))
+        off = np.angle(np.exp(1j * (toward - middle)))
+        for side in (off.argmin(), off.argmax()):  # the two corners at the silhouette
+            inward = -np.sign(off[side])
+            headings = toward[side] + inward * np.array([2e-9, -2e-9])
+            _, hits = pair.check([[x, y, h] for h in headings], -1, 1.0, 3, 10.0)
+            assert hits[:, 1].tolist() == [box, -1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import psutil
 import pytest
 
 import troupe
+from tests.processes import environment
 
 World = Callable[..., Path]
 
@@ -223,3 +226,21 @@ with PlayerClient() as robot:
     )
     result = troupe.run(path, duration=1.0)
     assert result.outcome == "completed", result.robot("one").error
+
+
+def test_a_notebook_beside_names_like_ours_still_gets_ours(tmp_path: Path) -> None:
+    (tmp_path / "sensors.py").write_text("raise RuntimeError('not Troupe')")
+    (tmp_path / "controllers").mkdir()
+    (tmp_path / "controllers" / "__init__.py").write_text("raise RuntimeError('not Troupe')")
+    (tmp_path / "notebook.py").write_text(
+        "import troupe\nprint(troupe.run('wander', duration=0.5).outcome)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "notebook.py"],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout == "completed\n", done.stderr

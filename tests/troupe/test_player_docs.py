@@ -6,6 +6,7 @@ import inspect
 import re
 import subprocess
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import pytest
@@ -129,9 +130,29 @@ def test_every_request_is_answered_as_the_page_says(
         assert answers == meant, f"{interface} {name}"
 
 
-def answer(client: PlayerClient, interface: Interface, subtype: int, robot: str) -> str:
+def test_requests_of_any_interface_are_answered_as_the_page_says(
+    robots: dict[str, PlayerClient],
+) -> None:
+    for client in robots.values():
+        for addr in client.devices():
+            for subtype in range(247, 255):
+                answers = answer(client, Interface(addr.interf), subtype, "", addr.index)
+                assert answers == "NACK", f"{addr}, property request {subtype}"
+            for type_, subtype, known in ((3, 1, True), (2, 1, True), (3, 99, False)):
+                listed = messages.find(addr.interf, type_, subtype) is not None and known
+                message = {"type": type_, "subtype": subtype}
+                if listed:
+                    client.request(addr, 255, message)
+                else:
+                    with pytest.raises(PlayerRefused):
+                        client.request(addr, 255, message)
+
+
+def answer(
+    client: PlayerClient, interface: Interface, subtype: int, robot: str, index: int = 0
+) -> str:
     """ACK or NACK; every request of the table is sent to a real run."""
-    addr = DeviceAddr(interface, 0)
+    addr = DeviceAddr(interface, index)
     spec = messages.find(interface, MessageType.REQ, subtype)
     assert spec is not None
     values = {name: example(name, kind, robot) for name, kind in spec.fields}
@@ -178,6 +199,7 @@ def test_every_python_name_beside_a_call_of_libplayercpp_exists() -> None:
                 assert words[2] in members(owner), f"{cpp}: {name}"
 
 
+@cache
 def members(owner: Any) -> set[str]:
     """Attributes of a class, those that `__init__` sets and fields of named tuples too."""
     found = set(dir(owner))

@@ -237,8 +237,8 @@ TABLE = [
     ("doors: [{name: s, at: [1, 1], model: rover}]", "5:9: doors.0.period: is missing"),
     (
         "doors: [{name: s, at: [1, 1], model: rover, period: 0.25}]",
-        "5:53: doors.0.period: is not a whole number of the clock's intervals (given: 0.25; allowed: "
-        "a multiple of 0.1, such as 0.2)",
+        "5:53: doors.0.period: is not a whole number of the clock's intervals (given: 0.25; "
+        "allowed: a multiple of 0.1, such as 0.2)",
     ),
     (
         "doors: [{name: s, at: [1, 1], model: rover, period: 0.01}]",

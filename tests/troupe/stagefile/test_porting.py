@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from player import PlayerClient
 from tests.processes import ROOT, environment
 
 PAGE = (ROOT / "docs" / "porting.md").read_text(encoding="utf-8")
@@ -161,6 +162,8 @@ def test_the_twin_drives_over_tcp_and_inside_the_world_to_the_same_digest(depot:
             waiting += "waiting for a Player client" in line
             if waiting == 2:
                 break
+        for port in depot.ports.values():  # kernels may have to be compiled first
+            PlayerClient("127.0.0.1", int(port), timeout=100.0, environ={}).close()
         clients = [depot.start(command) for command in commands["sh client"]]
         said = [client.communicate(timeout=100) for client in clients]
         assert [client.returncode for client in clients] == [0, 0], said
