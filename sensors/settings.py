@@ -4,7 +4,7 @@ import math
 from functools import cached_property
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from .colors import parse_color
 
@@ -24,9 +24,7 @@ Count = Annotated[int, Field(strict=True)]
 Pose = tuple[Number, Number, Number]
 """x, y in metres and heading in degrees, as in world files."""
 Color = Annotated[
-    int,
-    BeforeValidator(_color, json_schema_input_type=str),
-    Field(json_schema_extra={"format": "color"}),
+    int, BeforeValidator(_color), WithJsonSchema({"type": "string", "format": "color"})
 ]
 """0xRRGGBB, written as an X11 name or `#rrggbb`."""
 

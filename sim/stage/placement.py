@@ -99,6 +99,9 @@ def _attempts(
         yield lambda index: close
         return
     narrowest = _least_width(shape)
+    if robots[0].headings is not None:
+        turned = [placed(shape, (0.0, 0.0, yaw))[:, 0] for yaw in robots[0].headings]
+        narrowest = min(float(np.ptp(x)) for x in turned)
     if len(robots) * (narrowest + margin) + margin > room.high[0] - room.low[0] + ROUNDING:
         return
     low, high = room.low[1], room.high[1]

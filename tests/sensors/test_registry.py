@@ -142,3 +142,12 @@ def test_a_name_is_given_only_once():
     laser = SENSORS["laser"].settings
     with pytest.raises(ValueError, match="settings of its own"):
         sensor("other", kind="scalars", settings=laser, readings=empty)(lambda *_: None)
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_the_settings_have_a_json_schema_with_units(name):
+    schema = SENSORS[name].settings.model_json_schema()
+    assert schema["additionalProperties"] is False
+    for field in schema["properties"].values():
+        assert field["unit"]
+        assert field["description"]
