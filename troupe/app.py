@@ -8,7 +8,10 @@ import typer
 
 from troupe import __version__
 from troupe.check import check
+from troupe.devices_command import devices
 from troupe.disperse import disperse
+from troupe.import_command import import_
+from troupe.print_command import print_
 from troupe.run_command import run
 from troupe.schema import schema
 from troupe.sensors_command import sensors
@@ -41,3 +44,6 @@ app.command("check")(check)
 app.command("schema")(schema)
 app.command("sensors")(sensors)
 app.command("disperse")(disperse)
+app.command("devices")(devices)
+app.command("print")(print_)
+app.command("import")(import_)

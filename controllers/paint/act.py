@@ -128,7 +128,8 @@ def fine_look(brain: Brain, scan: Scan, command: Command) -> bool:
     if gaze is not None:
         memory.gaze = gaze
         memory.gaze_until = brain.time
-        command.motion = turn(brain.pose, 2.0 * gaze - brain.pose.yaw, brain.settings.limits)
+        error = math.remainder(gaze - brain.pose.yaw, math.tau)
+        command.motion = turn(brain.pose, brain.pose.yaw + 2.0 * error, brain.settings.limits)
     return True
 
 

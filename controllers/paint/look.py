@@ -31,16 +31,18 @@ def fine_gaze(pose: Pose, track: Track, spacing: float, odd: bool) -> float | No
     """A heading at which a ray parts what is open about a nearly level robot's height.
 
     Its upright face is seen; a ray through the middle of where its upper (or, at odd looks,
-    lower) corner may be tells on which side of it the corner is. None if there is no such face.
+    lower) corner may be tells on which side of it the corner is. It is within half the rays'
+    spacing of looking straight along the row. None if there is no such face.
     """
     if track.x[1] - track.x[0] > LEVEL:
         return None
     x, y = track.centre
     face = x - math.copysign(HALF, x - pose.x)
     corner = y - HALF if odd else y + HALF
-    bearing = wrap(math.atan2(corner - pose.y, face - pose.x) - pose.yaw)
+    base = RIGHT if x > pose.x else LEFT
+    bearing = wrap(math.atan2(corner - pose.y, face - pose.x) - base)
     ray = (bearing + math.pi / 2) / spacing
-    return pose.yaw + (ray - round(ray)) * spacing
+    return base + (ray - round(ray)) * spacing
 
 
 def row_places(

@@ -138,7 +138,10 @@ def _renew(track: Track, square: Square, time: float) -> None:
     """Take a new sighting into a track's bounds."""
     x = max(track.x[0], square.x[0]), min(track.x[1], square.x[1])
     y = max(track.y[0], square.y[0]), min(track.y[1], square.y[1])
-    consistent = x[0] <= x[1] + 1e-6 and y[0] <= y[1] + 1e-6
+    consistent = all(
+        low <= high + (_SHARP if old[1] - old[0] < _SHARP else 0.1 * _SHARP)
+        for (low, high), old in ((x, track.x), (y, track.y))
+    )
     sharp = _is_sharp(square)
     if consistent and (sharp and track.sharp):
         track.x, track.y = (min(x), max(x)), (min(y), max(y))
