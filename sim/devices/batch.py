@@ -21,6 +21,7 @@ class Encoder:
         self.tick = -1
         self.size = 0
         self.data = b""
+        self.rows: NDArray[Any] = np.zeros(0, np.int64)
         self.place: dict[int, int] = {}
 
     def payload(self, row: int, tick: int) -> bytes:
@@ -29,8 +30,9 @@ class Encoder:
             rows = self.encode(self.group)
             self.size = rows.dtype.itemsize
             self.data = rows.tobytes()
-            if len(self.place) != len(self.group.rows) or row not in self.place:
-                self.place = {int(r): k for k, r in enumerate(self.group.rows)}
+            if not np.array_equal(self.rows, self.group.rows):
+                self.rows = self.group.rows.copy()
+                self.place = {row: k for k, row in enumerate(self.rows.tolist())}
             self.tick = tick
         at = self.place[row] * self.size
         return self.data[at : at + self.size]

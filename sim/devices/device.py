@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from player import DeviceAddr
 from sensors.odometry import Odometry
@@ -17,6 +18,10 @@ from sim.stage.stage import Stage
 from sim.worldfile.schema import Model
 
 Values = Mapping[str, Any]
+Action = Callable[[], None]
+
+FARTHEST = 1e6
+"""Metres, radians, and either per second: what a client gives beyond that is no robot's."""
 
 
 class Refused(Exception):
@@ -28,7 +33,7 @@ class Drawing:
     """A shape of graphics2d; points (k, 2) in metres in the robot's frame, colours 0xRRGGBB."""
 
     kind: str
-    points: list[tuple[float, float]]
+    points: NDArray[np.float64]
     color: int
     fill_color: int | None = None
 
@@ -48,28 +53,39 @@ class Context:
     interval: float
     put: Callable[[int, tuple[float, float, float]], None]  # a robot to a pose in the world
     repaint: Callable[[int, int], None]  # a robot's body in another colour
+    remark: Callable[[int, int], None] = lambda robot, fiducial: None  # a robot's id, for finders
     models: list[Model] = field(default_factory=list)  # by robot
     records: list[RobotRecord] = field(default_factory=list)
     robots: dict[str, int] = field(default_factory=dict)
     time: float = 0.0
     paused: bool = False
-    pending: dict[int, list[Callable[[], None]]] = field(default_factory=dict)
+    pending: dict[int, dict[Hashable, Action]] = field(default_factory=dict)
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     spraying: dict[tuple[int, int], bool] = field(default_factory=dict)  # (robot, sprayer)
     drawings: dict[int, list[Drawing]] = field(default_factory=dict)
     colors: list[int] = field(default_factory=list)
+    fiducials: list[int] = field(default_factory=list)  # by robot: the id it carries, 0 for none
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
-    def later(self, robot: int, action: Callable[[], None]) -> None:
-        """Have `action` called at the next command phase, in the order of robots."""
-        self.pending.setdefault(robot, []).append(action)
+    def later(self, robot: int, action: Action, key: Hashable = None) -> None:
+        """Have `action` called at the next command phase, in the order of robots.
+
+        With a `key` it takes the place of the robot's earlier action of that key, as the last
+        command wins: what a client sends while the world waits does not pile up.
+        """
+        actions = self.pending.setdefault(robot, {})
+        if key is None:
+            key = action
+        elif key in actions:
+            del actions[key]
+        actions[key] = action
 
     def carry_out(self) -> None:
         """Call what `later` was given, robot by robot, each in the order of arrival."""
         while self.pending:
             pending, self.pending = self.pending, {}
             for robot in sorted(pending):
-                for action in pending[robot]:
+                for action in pending[robot].values():
                     action()
         if self.twists:
             robots = np.array(list(self.twists), np.int64)
@@ -102,6 +118,11 @@ class Device(Protocol):
     def request(self, name: str, values: Values) -> Values | None:
         """Answer a request: the fields of its ACK, None for an empty one. Raises Refused."""
         ...
+
+
+def sane(*numbers: float) -> bool:
+    """Whether these are numbers that a robot can do something with: finite, and not absurd."""
+    return all(-FARTHEST <= number <= FARTHEST for number in numbers)
 
 
 def flat_pose(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> tuple[float, ...]:

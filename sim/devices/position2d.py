@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.codes import Interface
-from sim.devices.device import Context, Refused, Values, flat_pose
+from sim.devices.device import Context, Refused, Values, flat_pose, sane
 
 STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
 
 Pose = tuple[float, float, float]
+
+DRIVE = "drive"
+"""The key of all that sets a robot's motion: of several commands in a tick the last one wins."""
 
 
 class StateEncoder:
@@ -57,15 +60,6 @@ def invert(a: Pose) -> Pose:
     return (-cos * a[0] - sin * a[1], sin * a[0] - cos * a[1], -a[2])
 
 
-def numbers(values: Values) -> Iterator[float]:
-    """All numbers of a command."""
-    for value in values.values():
-        if isinstance(value, tuple):
-            yield from value
-        else:
-            yield value
-
-
 class Position2d:
     """A robot's drive and odometry."""
 
@@ -82,18 +76,19 @@ class Position2d:
         return ((1, self.states.payload(self.robot)),)
 
     def command(self, name: str, values: Values) -> None:
-        robot, later = self.robot, self.context.later
-        if not all(map(math.isfinite, numbers(values))):
-            return  # no drive can obey it
+        robot, context = self.robot, self.context
         if name == "velocity":
-            twist = values["vel"]
-            later(robot, lambda: self.context.drive(robot, twist))
+            vx, vy, wz = twist = values["vel"]
+            if sane(vx, vy, wz):
+                context.later(robot, lambda: context.drive(robot, twist), DRIVE)
         elif name == "position":
-            later(robot, lambda: self.go_to(values))
+            if sane(*values["pos"], *values["vel"]):
+                context.later(robot, lambda: self.go_to(values), DRIVE)
         elif name == "car":
-            later(robot, lambda: self.steer(values))
-        elif name == "velocity_heading":
-            later(robot, lambda: self.head(values))
+            if sane(values["velocity"], values["angle"]):
+                context.later(robot, lambda: self.steer(values), DRIVE)
+        elif name == "velocity_heading" and sane(values["velocity"], values["heading"]):
+            context.later(robot, lambda: self.head(values), DRIVE)
 
     def go_to(self, values: Values) -> None:
         goal, speed = self.to_world(values["pos"]), values["vel"]
@@ -119,20 +114,24 @@ class Position2d:
             return {"pose": flat_pose(), "size": (width, length, height)}
         if name == "motor_power":
             on = bool(values["state"])
-            context.later(robot, lambda: context.stage.motors(robot, on))
+            context.later(robot, lambda: context.stage.motors(robot, on), "motors")
             return None
         if name == "position_mode":
             return None  # velocity or position: each command says itself which it is
         if name == "set_odometry":
             pose = values["pose"]
-            if not all(map(math.isfinite, pose)):
+            if not sane(*pose):
                 raise Refused
-            context.later(robot, lambda: context.odometry.set_odometry(robot, pose))
+            self.set_odometry(pose)
             return None
         if name == "reset_odometry":
-            context.later(robot, lambda: context.odometry.set_odometry(robot, (0.0, 0.0, 0.0)))
+            self.set_odometry((0.0, 0.0, 0.0))
             return None
         raise Refused
+
+    def set_odometry(self, pose: Pose) -> None:
+        robot, odometry = self.robot, self.context.odometry
+        self.context.later(robot, lambda: odometry.set_odometry(robot, pose), "odometry")
 
     def to_world(self, pose: Pose) -> Pose:
         """A pose in the odometry's frame, in the world's, as the last tick's odometry tells."""
