@@ -116,8 +116,7 @@ def free_ahead(
     ranges: NDArray[np.float64], bearings: NDArray[np.float64], half_width: float
 ) -> float:
     """How far a body of that half width could go straight on before it meets a laser point (m)."""
-    ahead = np.abs(bearings) < math.pi / 2
-    across = ranges * np.sin(bearings)
-    along = ranges * np.cos(bearings)
-    near = along[ahead & (np.abs(across) <= half_width)]
+    sines, cosines = np.sin(bearings), np.cos(bearings)
+    in_way = (cosines > 0.0) & (np.abs(ranges * sines) <= half_width)
+    near = ranges[in_way] * cosines[in_way]
     return float(near.min()) if near.size else math.inf

@@ -273,6 +273,10 @@ def main() -> None:
     """Serve on the socket whose descriptor is the first argument."""
     control = socket.socket(fileno=int(sys.argv[1]))
     prctl(PR_SET_CHILD_SUBREAPER, 1)
+    if hasattr(os, "SCHED_BATCH"):
+        # a controller that wakes must not interrupt the simulator, which has others to wake
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)  # the simulator decides, by closing the socket
     sys.path.insert(0, sys.argv[2])

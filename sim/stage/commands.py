@@ -6,8 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from sim.stage.compiled import compiled
 from sim.stage.records import CAR, HEADING, OMNIDIRECTIONAL, POSITION, STEERING, TWIST
 
 
@@ -16,25 +17,44 @@ def _finite(what: str, *values: float) -> None:
         raise ValueError(f"{what} must be finite numbers, not {', '.join(map(repr, values))}")
 
 
-def command_twists(records: NDArray[Any], twists: ArrayLike) -> None:
-    """Write twists (k, 3) to the records (k,); see `Stage.command`."""
-    wanted = np.asarray(twists, dtype=np.float64).reshape(-1, 3)
-    if len(wanted) != len(records):
-        raise ValueError(f"{len(wanted)} twists for {len(records)} robots")
-    if not np.isfinite(wanted).all():
+def command_twists(
+    movers: NDArray[Any], first: int, robots: NDArray[np.int64], twists: NDArray[np.float64]
+) -> None:
+    """Write twists (k, 3) to the records of robots (k,); see `Stage.command`.
+
+    The records of the robots begin at `first`.
+    """
+    if len(twists) != len(robots):
+        raise ValueError(f"{len(twists)} twists for {len(robots)} robots")
+    if len(robots) and not 0 <= robots.min() <= robots.max() < len(movers) - first:
+        raise IndexError(f"there are {len(movers) - first} robots, not all of {robots.tolist()}")
+    if not _write_twists(movers, first, robots, twists):
         raise ValueError("a commanded velocity must be a finite number")
-    kind = records["kind"]
-    vx, vy, wz = wanted.T.copy()
-    vy[kind != OMNIDIRECTIONAL] = 0.0
-    scale = np.minimum(1.0, records["max_speed"] / np.maximum(np.hypot(vx, vy), 1e-300))
-    bend = np.zeros(len(records))
-    car = kind == CAR
-    np.divide(wz, vx, out=bend, where=car & (vx != 0.0))
-    most = records["max_curvature"]
-    records["curvature"] = np.clip(bend, -most, most)
-    records["vx"], records["vy"] = vx * scale, vy * scale
-    records["wz"] = np.clip(wz, -records["max_turn_rate"], records["max_turn_rate"])
-    records["mode"] = np.where(car, STEERING, TWIST)
+
+
+@compiled
+def _write_twists(
+    movers: Any, first: int, robots: NDArray[np.int64], twists: NDArray[np.float64]
+) -> bool:
+    """False, and nothing is written, if a twist is not finite."""
+    if not np.isfinite(twists).all():
+        return False
+    for k in range(robots.size):
+        mover = movers[first + robots[k]]
+        vx, vy, wz = twists[k, 0], twists[k, 1], twists[k, 2]
+        if mover.kind != OMNIDIRECTIONAL:
+            vy = 0.0
+        scale = min(1.0, mover.max_speed / max(math.hypot(vx, vy), 1e-300))
+        bend = 0.0
+        mover.mode = TWIST
+        if mover.kind == CAR:
+            mover.mode = STEERING
+            if vx != 0.0:
+                bend = wz / vx
+        mover.curvature = min(mover.max_curvature, max(-mover.max_curvature, bend))
+        mover.vx, mover.vy = vx * scale, vy * scale
+        mover.wz = min(mover.max_turn_rate, max(-mover.max_turn_rate, wz))
+    return True
 
 
 def command_steering(record: Any, speed: float, steering: float, wheelbase: float) -> None:

@@ -118,10 +118,10 @@ class Stage:
         omnidirectional drive to max_speed in any direction; a differential drive ignores vy; a
         car drives the circle of radius vx / wz, or the narrowest that it can steer.
         """
-        which = np.atleast_1d(np.asarray(robots, dtype=np.int64))
-        records = self._robots[which]
-        commands.command_twists(records, twists)
-        self._robots[which] = records
+        which = np.ascontiguousarray(robots, dtype=np.int64).reshape(-1)
+        wanted = np.ascontiguousarray(twists, dtype=np.float64).reshape(-1, 3)
+        everything = self._movers[: self._movables + self._count]
+        commands.command_twists(everything, self._movables, which, wanted)
 
     def command_car(self, robot: int, speed: float, steering: float) -> None:
         """Set a car's speed (m/s) and the angle of its front wheels (rad), cut to its limits.
