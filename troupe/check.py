@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sim.worldfile import LoadedWorld, WorldError, load
-from troupe.worlds import find_world
+if TYPE_CHECKING:
+    from sim.worldfile import LoadedWorld
 
 
 def check(
@@ -25,6 +25,9 @@ def check(
 
     Exit code 2 if there is any mistake.
     """
+    from sim.worldfile import WorldError, load  # noqa: PLC0415 - `troupe --help` stays quick
+    from troupe.worlds import find_world  # noqa: PLC0415
+
     refused = False
     for world in worlds:
         try:

@@ -11,7 +11,6 @@ from typing import Annotated
 import typer
 
 from troupe.show import Screen
-from troupe.summary import summary
 
 
 def run(
@@ -100,7 +99,6 @@ def run_and_print(
     """The exit code of a run; mistakes are told on standard error."""
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
     from sim.video.projection import parse_size  # noqa: PLC0415
-    from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
 
     screen = Screen(quiet)
@@ -121,7 +119,7 @@ def run_and_print(
                 say=screen.say,
                 each_tick=screen.progress,
             )
-    except (WorldError, VideoError, FileNotFoundError, ValueError) as error:
+    except (VideoError, FileNotFoundError, ValueError) as error:  # WorldError is a ValueError
         print(error, file=sys.stderr)
         return 2
     except OSError as error:
@@ -131,6 +129,8 @@ def run_and_print(
         json.dump(result.as_json(), sys.stdout)
         print()
     else:
+        from troupe.summary import summary  # noqa: PLC0415
+
         print(summary(result, video))
     return result.exit_code
 

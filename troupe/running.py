@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sim.fleet.fleet import Fleet
-from sim.result import Result
-from troupe.worlds import find_world
+
+if TYPE_CHECKING:
+    from sim.result import Result
 
 EachTick = Callable[[object], None]
 
@@ -30,7 +32,6 @@ def run_file(
     each_tick: EachTick | None = None,
 ) -> Result:
     """Run a world file; see `troupe.run`. `each_tick(engine)` is called after every tick."""
-    path = find_world(str(world))
     for name, value in (("duration", duration), ("realtime", realtime), ("patience", patience)):
         if value is not None and not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name}: must be above 0 (given: {value:g})")
@@ -42,8 +43,9 @@ def run_file(
         from sim.filming import Film, open_recorder  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from sim.worldfile import load  # noqa: PLC0415
+        from troupe.worlds import find_world  # noqa: PLC0415
 
-        loaded = load(path, settings=settings)
+        loaded = load(find_world(str(world)), settings=settings)
         told = Settings(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,

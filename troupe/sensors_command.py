@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic_core import PydanticUndefined
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from sensors.registry import describe
-from sim.worldfile.models import Sprayer
-
 
 def sensors() -> None:
     """Print the sensors and actuators, their settings, defaults and units."""
+    from pydantic_core import PydanticUndefined  # noqa: PLC0415 - `troupe --help` stays quick
+
+    from sensors.registry import describe  # noqa: PLC0415
+    from sim.worldfile.models import Sprayer  # noqa: PLC0415
+
     console = Console(highlight=False, markup=False)
     for entry in describe():
         console.print(_table("sensor", entry["name"], entry["summary"], entry["settings"]))
