@@ -52,7 +52,7 @@ def _channels(colors: tuple[int, ...]) -> Colors:
     return np.array(colors, np.uint32)
 
 
-@sensor("blobfinder", kind="blobs", settings=BlobfinderSettings, readings=_empty)
+@sensor("blobfinder", kind="blobs", settings=BlobfinderSettings, readings=_empty, threads=True)
 def sense_blobs(settings: BlobfinderSettings, view: View, blobs: Blobs) -> None:
     """Runs of one colour in a camera's image, with their range."""
     scene, columns, hits = view.scene, blobs.columns, blobs.hits

@@ -29,7 +29,7 @@ def _empty(settings: LaserSettings, n: int) -> Scans:
     return Scans.empty(n, settings.samples, math.radians(settings.fov), settings.range)
 
 
-@sensor("laser", kind="scan", settings=LaserSettings, readings=_empty)
+@sensor("laser", kind="scan", settings=LaserSettings, readings=_empty, threads=True)
 def sense_laser(settings: LaserSettings, view: View, scans: Scans) -> None:
     """Ranges to the nearest thing along each ray of a fan."""
     cast_scans(view, scans)

@@ -39,6 +39,9 @@ class SensorType:
     """readings(settings, n): empty readings for n robots."""
     sense: Sense
     """sense(settings, view, readings): writes the wanted rows of `readings`."""
+    threads: bool
+    """Whether parts of a batch may be sensed at the same time: it writes `view.rows` only, and
+    most of its work is in compiled code."""
     summary: str
     """What it senses, in a line: the first of the function's docstring."""
 
@@ -77,7 +80,12 @@ _LOADING: ContextVar[list[SensorType] | None] = ContextVar("_LOADING", default=N
 
 
 def sensor(
-    name: str, *, kind: str, settings: type[S], readings: Callable[[S, int], R]
+    name: str,
+    *,
+    kind: str,
+    settings: type[S],
+    readings: Callable[[S, int], R],
+    threads: bool = False,
 ) -> Callable[[Callable[[S, View, R], None]], Callable[[S, View, R], None]]:
     """Register the decorated function as a sensor.
 
@@ -87,6 +95,8 @@ def sensor(
         kind: the kind of its readings, a key of `readings.KINDS`.
         settings: a subclass of SensorSettings, a class of this sensor alone.
         readings: makes empty readings for n robots: readings(settings, n).
+        threads: parts of a large batch may be sensed at the same time: the function writes
+            `view.rows` of the readings and nothing else.
 
     The function is called as sense(settings, view, readings) and writes `view.rows` of the
     readings; it must not depend on anything but its arguments.
@@ -101,7 +111,7 @@ def sensor(
         if not issubclass(settings, SensorSettings) or settings in _BY_SETTINGS:
             raise ValueError(f"sensor {name!r}: needs settings of its own, from SensorSettings")
         summary = (sense.__doc__ or "").strip().split("\n")[0]
-        new = SensorType(name, kind, settings, readings, sense, summary)
+        new = SensorType(name, kind, settings, readings, sense, threads, summary)
         loading = _LOADING.get()
         if loading is not None:
             loading.append(new)

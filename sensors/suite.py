@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -133,7 +136,7 @@ class Suite:
                 time,
                 self.contacts,
             )
-            group.type.sense(group.settings, view, group.readings)
+            sense_rows(group, view)
             if flags is None:
                 group.times[:] = time
             else:
@@ -171,3 +174,34 @@ class Suite:
             group.everybody = np.arange(n)
             group.readings = group.readings.resized(n)
         self._new.clear()
+
+
+CREW = 256
+"""Sensors of one group from which on it pays to share them out to threads."""
+
+
+@cache
+def threads() -> tuple[int, ThreadPoolExecutor | None]:
+    """How many cores this process may use, and threads for all of them but one."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return (cores, ThreadPoolExecutor(cores - 1)) if cores and cores > 1 else (1, None)
+
+
+def sense_rows(group: Group, view: View) -> None:
+    """Sense with the wanted sensors of a group; many of them on all cores.
+
+    Every sensor writes its own row and reads nobody else's, so the result does not depend on
+    how they are shared out.
+    """
+    cores, pool = threads()
+    if pool is None or not group.type.threads or len(view.rows) < CREW:
+        group.type.sense(group.settings, view, group.readings)
+        return
+    first, *rest = np.array_split(view.rows, cores)
+    others = [
+        pool.submit(group.type.sense, group.settings, replace(view, rows=rows), group.readings)
+        for rows in rest
+    ]
+    group.type.sense(group.settings, replace(view, rows=first), group.readings)
+    for other in others:
+        other.result()

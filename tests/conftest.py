@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import signal
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+# Tests that are run in the background of a script have Ctrl-C ignored, and so would have every
+# process that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 WORLD = """\
 size: [10, 10]
