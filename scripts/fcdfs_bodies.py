@@ -51,7 +51,7 @@ def main() -> None:
         path = ROOT / "worlds" / f"fcdfs_{name}.yaml"
         world = load_world(path).world
         assert world.map is not None
-        region = load(world.map.file)
+        region = load(path.parent / world.map.file)
         told = world.controllers["fcdfs"].args
         result = troupe.run(path)
         grid = simulate(region, told["rule"], seed=result.seed, q=told.get("q", 0.0))
