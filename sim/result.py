@@ -118,7 +118,7 @@ class Result:
         raise KeyError(name)
 
     def as_json(self) -> dict[str, Any]:
-        """The JSON object as documented in docs/worlds.md."""
+        """The JSON object as documented in docs/running.md."""
         return {
             "world": self.world,
             "seed": self.seed,

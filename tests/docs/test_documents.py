@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,13 @@ import troupe
 from sim.worldfile import load
 from tests.processes import ROOT, environment, troupe_command
 
-PAGES = ["README.md", "docs/controllers.md", "docs/architecture.md", "docs/performance.md"]
+PAGES = [
+    "README.md",
+    "docs/running.md",
+    "docs/controllers.md",
+    "docs/architecture.md",
+    "docs/performance.md",
+]
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 STAGE = """\
@@ -44,6 +51,14 @@ def blocks(language: str) -> list[object]:
 
 @pytest.mark.parametrize("text", blocks("python"))
 def test_a_python_block_is_a_controller_that_works(text: str, tmp_path: Path) -> None:
+    if "import troupe" in text:
+        done = subprocess.run(
+            [sys.executable, "-c", text],
+            cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        assert "completed" in done.stdout
+        return
     (tmp_path / "mine.py").write_text(text)
     (tmp_path / "world.yaml").write_text(STAGE)
     result = troupe.run(tmp_path / "world.yaml")
@@ -115,3 +130,11 @@ def test_links_lead_somewhere() -> None:
         for target in re.findall(r"\]\(([^)#]+)\)", path.read_text()):
             if "://" not in target:
                 assert os.path.exists(path.parent / target), f"{page}: {target}"
+
+
+def test_the_page_about_results_names_every_key() -> None:
+    result = troupe.run("wander", duration=0.2).as_json()
+    page = (ROOT / "docs" / "running.md").read_text()
+    robot = result["robots"][0]
+    keys = {*result, *robot, *robot["controller"], *result["floor"], "emitted", "steps"}
+    assert sorted(key for key in keys if f"`{key}`" not in page) == []
