@@ -48,7 +48,7 @@ class Simulation:
         if name == "set_property":
             self.set_property(values)
             return None
-        if not self.full:
+        if not self.full or "name" not in values:
             raise Refused
         target = self.target(values["name"])
         context = self.context
@@ -136,7 +136,7 @@ def parse_color_value(data: bytes) -> int:
         if not all(math.isfinite(part) for part in parts):
             raise Refused
         red, green, blue = (round(255 * min(1.0, max(0.0, part))) for part in parts)
-        return red << 16 | green << 8 | blue
+        return int(red << 16 | green << 8 | blue)
     text = parse_json(data)
     if not (isinstance(text, str) and len(text) == 7 and text[0] == "#"):
         raise Refused
