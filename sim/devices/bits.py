@@ -5,6 +5,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable
 
+import numpy as np
+
 from player import DeviceAddr
 from player.codes import Interface
 from sim.devices.device import Context, Drawing, Refused, Values
@@ -78,7 +80,7 @@ class Graphics2d:
             drawings.clear()
             return
         fill = rgb(values["fill_color"]) if values.get("filled") else None
-        points = [(float(x), float(y)) for x, y in values["points"]]
+        points = np.array(values["points"], np.float64).reshape(-1, 2)
         drawings.append(Drawing(name, points, rgb(values["color"]), fill))
         del drawings[:-MAX_DRAWINGS]
 
