@@ -210,10 +210,9 @@ class Engine:
 
     def keep_pace(self) -> None:
         """With --realtime, wait until the wall clock has caught up; requests are answered."""
-        drivers = self.crew.drivers
-        free = not self.pace.factor and not self.crew.behind
-        if free and any(d.kind == "external" and d.running for d in drivers):
-            self.pace.follow(1.0, self.time)  # clients that are pushed data live in real time
+        if not self.settings.realtime:
+            # clients that are pushed their data live in real time, if nothing else sets the pace
+            self.pace.follow(1.0 if self.crew.pushed_only else None, self.time)
         wait = self.pace.ahead(self.time)
         if wait > 0:
             self.crew.wait(wait)

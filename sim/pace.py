@@ -17,10 +17,11 @@ class Pace:
         if self.factor:
             self.origin = monotonic() - time / self.factor
 
-    def follow(self, factor: float, time: float) -> None:
-        """Change the factor at simulated time `time`."""
-        self.factor = factor
-        self.begin(time)
+    def follow(self, factor: float | None, time: float) -> None:
+        """The factor from simulated time `time` on, if it is not the same as before."""
+        if factor != self.factor:
+            self.factor = factor
+            self.begin(time)
 
     def ahead(self, time: float) -> float:
         """Wall-clock seconds by which simulated time `time` is early.

@@ -100,9 +100,12 @@ def encode_ranges(group: Group) -> NDArray[Any]:
 
 
 def encode_intensities(group: Group) -> NDArray[Any]:
-    """ranger INTNS (subtype 3)."""
-    assert isinstance(group.readings, Intensities)
-    return encode_array(group.readings.intensities[group.rows], ">f8")
+    """ranger INTNS (subtype 3): a scan's are 1 where it has hit something, 0 elsewhere."""
+    readings = group.readings
+    assert isinstance(readings, Scans | Intensities)
+    if isinstance(readings, Scans):
+        return encode_array((readings.hits[group.rows] >= 0).astype(np.float64), ">f8")
+    return encode_array(readings.intensities[group.rows], ">f8")
 
 
 def encode_sonar(group: Group) -> NDArray[Any]:

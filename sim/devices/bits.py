@@ -13,8 +13,12 @@ from sim.devices.device import Context, Drawing, Refused, Values
 
 MAX_SAID = 10_000
 """Sentences kept of one robot."""
+LONGEST_SAID = 1_000
+"""Characters kept of one sentence."""
 MAX_DRAWINGS = 2_000
 """Shapes kept of one robot: older ones go."""
+MAX_POINTS = 50_000
+"""Points kept of one robot's shapes in all: again, older ones go."""
 
 DIO = struct.Struct(">II")
 
@@ -37,7 +41,9 @@ class Sprayer:
             return
         on = bool(values["bits"] & 1)
         key = (self.robot, self.index)
-        self.context.later(self.robot, lambda: self.context.spraying.__setitem__(key, on))
+        self.context.later(
+            self.robot, lambda: self.context.spraying.__setitem__(key, on), ("sprayer", self.index)
+        )
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
@@ -57,7 +63,7 @@ class Speech:
     def command(self, name: str, values: Values) -> None:
         said = self.context.records[self.robot].said
         if name == "say" and len(said) < MAX_SAID:
-            said.append((self.context.time, values["text"]))
+            said.append((self.context.time, values["text"][:LONGEST_SAID]))
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
@@ -80,9 +86,11 @@ class Graphics2d:
             drawings.clear()
             return
         fill = rgb(values["fill_color"]) if values.get("filled") else None
-        points = np.array(values["points"], np.float64).reshape(-1, 2)
+        points = np.array(values["points"], np.float64).reshape(-1, 2)[:MAX_POINTS]
         drawings.append(Drawing(name, points, rgb(values["color"]), fill))
         del drawings[:-MAX_DRAWINGS]
+        while sum(len(drawing.points) for drawing in drawings) > MAX_POINTS:
+            del drawings[0]
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused

@@ -5,9 +5,11 @@ from __future__ import annotations
 from sim.devices.batch import Encoders
 from sim.devices.bits import Graphics2d, Speech, Sprayer
 from sim.devices.device import Context, Device
+from sim.devices.feeling import AnalogInput, Bumper
+from sim.devices.laser import Laser
 from sim.devices.position2d import Position2d, StateEncoder
-from sim.devices.ranging import Laser, Ranger, Sonar
-from sim.devices.seeing import AnalogInput, Blobfinder, Bumper, FiducialFinder
+from sim.devices.ranging import Ranger, Sonar
+from sim.devices.seeing import Blobfinder, FiducialFinder, Marker
 from sim.devices.simulation import Simulation
 from sim.worldfile.schema import Model
 
@@ -33,9 +35,10 @@ def robot_devices(
     for slot in range(len(model.sensors)):
         group, _ = context.suite.place(robot, slot)
         if group.kind == "scan":
-            scanner = Laser if group.type.name != "ranger" else Ranger
-            devices.append(scanner(context, encoders, robot, slot))
-            if scanner is Laser:
+            if group.type.name == "ranger":
+                devices.append(Ranger(context, encoders, robot, slot))
+            else:
+                devices.append(Laser(context, encoders, robot, slot))
                 twins.append(Ranger(context, encoders, robot, slot))
         elif group.kind == "elements":
             devices.append(Ranger(context, encoders, robot, slot))
@@ -47,9 +50,11 @@ def robot_devices(
         elif group.kind == "fiducials":
             devices.append(FiducialFinder(context, robot, slot))
         elif group.kind == "bits":
-            devices.append(Bumper(context, robot, slot))
+            devices.append(Bumper(context, robot, slot, size))
         else:
             devices.append(AnalogInput(context, robot, slot))
+    if model.fiducial and not any(isinstance(device, FiducialFinder) for device in devices):
+        devices.append(Marker(context, robot, size))
     devices += twins
     devices += [Sprayer(context, robot, index) for index in range(len(model.actuators))]
     devices += [

@@ -65,6 +65,7 @@ class Context:
     drawings: dict[int, list[Drawing]] = field(default_factory=dict)
     colors: list[int] = field(default_factory=list)
     fiducials: list[int] = field(default_factory=list)  # by robot: the id it carries, 0 for none
+    property_names: dict[int, set[str]] = field(default_factory=dict)  # told so far, by robot
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
     def later(self, robot: int, action: Action, key: Hashable = None) -> None:

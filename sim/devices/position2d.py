@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Iterable
 from typing import Any
@@ -71,6 +70,8 @@ class Position2d:
         self.states = states
         self.size = size
         self.addr = DeviceAddr(Interface.POSITION2D, 0)
+        drive = context.models[robot].drive
+        self.is_car = drive is not None and drive.kind == "car"
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ((1, self.states.payload(self.robot)),)
@@ -81,31 +82,32 @@ class Position2d:
             vx, vy, wz = twist = values["vel"]
             if sane(vx, vy, wz):
                 context.later(robot, lambda: context.drive(robot, twist), DRIVE)
-        elif name == "position":
-            if sane(*values["pos"], *values["vel"]):
-                context.later(robot, lambda: self.go_to(values), DRIVE)
-        elif name == "car":
+        elif name == "car" and self.is_car:
             if sane(values["velocity"], values["angle"]):
                 context.later(robot, lambda: self.steer(values), DRIVE)
-        elif name == "velocity_heading" and sane(values["velocity"], values["heading"]):
+        elif name == "position" and not self.is_car:
+            if sane(*values["pos"], *values["vel"]):
+                context.later(robot, lambda: self.go_to(values), DRIVE)
+        elif (
+            name == "velocity_heading"
+            and not self.is_car
+            and sane(values["velocity"], values["heading"])
+        ):
             context.later(robot, lambda: self.head(values), DRIVE)
 
     def go_to(self, values: Values) -> None:
         goal, speed = self.to_world(values["pos"]), values["vel"]
-        with contextlib.suppress(ValueError):  # not for cars
-            self.context.stage.command_position(self.robot, goal, abs(speed[0]), abs(speed[2]))
-            self.context.undrive(self.robot)
+        self.context.undrive(self.robot)
+        self.context.stage.command_position(self.robot, goal, abs(speed[0]), abs(speed[2]))
 
     def steer(self, values: Values) -> None:
-        with contextlib.suppress(ValueError):  # for cars only
-            self.context.stage.command_car(self.robot, values["velocity"], values["angle"])
-            self.context.undrive(self.robot)
+        self.context.undrive(self.robot)
+        self.context.stage.command_car(self.robot, values["velocity"], values["angle"])
 
     def head(self, values: Values) -> None:
         yaw = self.to_world((0.0, 0.0, values["heading"]))[2]
-        with contextlib.suppress(ValueError):  # not for cars
-            self.context.stage.command_heading(self.robot, values["velocity"], yaw)
-            self.context.undrive(self.robot)
+        self.context.undrive(self.robot)
+        self.context.stage.command_heading(self.robot, values["velocity"], yaw)
 
     def request(self, name: str, values: Values) -> Values | None:
         context, robot = self.context, self.robot

@@ -1,4 +1,4 @@
-"""laser, ranger and sonar: ranges, from one origin or from many."""
+"""ranger and sonar: ranges, from one origin or from many; and what all range finders share."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SENSOR_SIZE = (0.02, 0.02, 0.02)
 
 
 class RangingDevice:
-    """What the three have in common: a sensor slot of one robot, and its place in a batch."""
+    """A sensor slot of one robot, and its place in a batch."""
 
     def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
         self.context = context
@@ -44,44 +44,22 @@ class RangingDevice:
         """There are no commands."""
 
 
-class Laser(RangingDevice):
-    """A scan on Player's laser interface."""
-
-    addr = DeviceAddr(Interface.LASER, 0)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, self.payload("scans")),)
-
-    def request(self, name: str, values: Values) -> Values | None:
-        scans = self.group.readings
-        assert isinstance(scans, Scans)
-        if name == "geometry":
-            return {"pose": flat_pose(*self.mount), "size": SENSOR_SIZE}
-        if name == "get_config":
-            return {
-                "min_angle": -scans.fov / 2,
-                "max_angle": scans.fov / 2,
-                "resolution": scans.resolution,
-                "max_range": scans.max_range,
-                "range_resolution": 0.0,
-                "intensity": 0,
-                "scanning_frequency": 1.0 / self.context.interval,
-            }
-        if name == "get_id":
-            return {"serial_number": self.slot}
-        if name == "power":
-            return None
-        raise Refused
-
-
 class Ranger(RangingDevice):
-    """A scan, or elements each with an origin of its own, on Player's ranger interface."""
+    """A scan, or elements each with an origin of its own, on Player's ranger interface.
+
+    Intensities follow the ranges if they have been turned on: a sensor's own, which are on from
+    the start, or for a plain scan 1 where a ray has hit something and 0 elsewhere.
+    """
 
     addr = DeviceAddr(Interface.RANGER, 0)
 
+    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
+        super().__init__(context, encoders, robot, slot)
+        self.with_intensities = isinstance(self.group.readings, Intensities)
+
     def publish(self) -> Iterable[tuple[int, bytes]]:
         yield 1, self.payload("ranges")
-        if isinstance(self.group.readings, Intensities):
+        if self.with_intensities:
             yield 3, self.payload("intensities")
 
     def request(self, name: str, values: Values) -> Values | None:
@@ -97,24 +75,33 @@ class Ranger(RangingDevice):
                 "element_sizes": [SENSOR_SIZE] * len(poses),
             }
         if name == "get_config":
-            assert isinstance(readings, Scans | Elements | Intensities)
-            rays = readings.ranges.shape[1]
-            if isinstance(readings, Elements):
-                step = readings.fov
-            else:
-                step = readings.fov / max(rays - 1, 1)
-            return {
-                "min_angle": -readings.fov / 2,
-                "max_angle": readings.fov / 2,
-                "angular_resolution": step,
-                "min_range": 0.0,
-                "max_range": readings.max_range,
-                "range_resolution": 0.0,
-                "frequency": 1.0 / self.context.interval,
-            }
-        if name in ("power", "intensity"):
+            return self.configuration()
+        if name == "intensity" and not isinstance(readings, Elements):
+            self.with_intensities = bool(values["value"])
+            return None
+        if name == "power":
             return None
         raise Refused
+
+    def configuration(self) -> Values:
+        """Angles and ranges; a lone element's angles are where it looks, as clients take it."""
+        readings = self.group.readings
+        assert isinstance(readings, Scans | Elements | Intensities)
+        rays = readings.ranges.shape[1]
+        least, most, step = -readings.fov / 2, readings.fov / 2, readings.fov
+        if not isinstance(readings, Elements):
+            step = readings.fov / max(rays - 1, 1)
+        elif rays == 1:
+            least = most = float(readings.poses[0, 2])
+        return {
+            "min_angle": least,
+            "max_angle": most,
+            "angular_resolution": step,
+            "min_range": 0.0,
+            "max_range": readings.max_range,
+            "range_resolution": 0.0,
+            "frequency": 1.0 / self.context.interval,
+        }
 
 
 class Sonar(RangingDevice):

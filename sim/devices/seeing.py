@@ -1,17 +1,18 @@
-"""blobfinder, fiducial, bumper and aio: what a robot sees, touches and measures."""
+"""blobfinder and fiducial: what a robot sees, and the mark that it carries itself."""
 
 from __future__ import annotations
 
-import math
 import struct
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.codes import Interface
-from sensors.readings import Bits, Blobs, Fiducials, Scalars
+from sensors.readings import Blobs, Fiducials
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.ranging import SENSOR_SIZE
 
@@ -22,6 +23,11 @@ BLOB = np.dtype(
     + [("range", ">f4")]
 )
 FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6)])
+
+MOST_CHANNELS = 32
+"""Channels of colour that a blobfinder can be told (as many as the CMUcam of old had)."""
+LARGEST_ID = 0x7FFF_FFFF
+"""Ids travel as signed numbers in what a finder sees."""
 
 
 class SensorDevice:
@@ -46,20 +52,104 @@ class SensorDevice:
         """There are no commands."""
 
 
+@dataclass(frozen=True)
+class Channel:
+    """The colours that one channel of a blobfinder takes: least and most red, green and blue."""
+
+    red: tuple[int, int]
+    green: tuple[int, int]
+    blue: tuple[int, int]
+
+    def takes(self, colors: NDArray[Any]) -> NDArray[np.bool_]:
+        """Which of the colours 0xRRGGBB are the channel's."""
+        taken = np.ones(len(colors), np.bool_)
+        for shift, (least, most) in ((16, self.red), (8, self.green), (0, self.blue)):
+            part = colors >> shift & 255
+            taken &= (part >= least) & (part <= most)
+        return taken
+
+
 class Blobfinder(SensorDevice):
-    """Runs of one colour in an image."""
+    """Runs of one colour in an image.
+
+    The camera tells apart the colours of the world file, one channel each. A client may give a
+    channel other bounds (SET_COLOR), as with Player's colour trackers: of what the camera tells
+    apart, those that no channel takes are not reported any more, and a blob's id is the first
+    channel that takes it. A camera for all colours has no channels until it is told some.
+    """
 
     addr = DeviceAddr(Interface.BLOBFINDER, 0)
+
+    def __init__(self, context: Context, robot: int, slot: int) -> None:
+        super().__init__(context, robot, slot)
+        colors: tuple[int, ...] = getattr(self.group.settings, "colors", ())
+        self.channels = {number: exactly(color) for number, color in enumerate(colors)}
+        self.told = False
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         readings = self.group.readings
         assert isinstance(readings, Blobs)
         seen: Any = readings.seen(self.row)
+        if self.told:
+            seen = self.chosen(seen)
         head = BLOBS.pack(readings.width, readings.height, len(seen), len(seen))
         return ((1, head + seen.astype(BLOB).tobytes()),)
 
+    def chosen(self, seen: Any) -> Any:
+        """The blobs that a channel takes, with its number."""
+        seen = seen.copy()
+        ids = np.full(len(seen), -1)
+        for number in sorted(self.channels, reverse=True):
+            ids[self.channels[number].takes(seen["color"])] = number
+        seen["id"] = np.maximum(ids, 0)
+        return seen[ids >= 0]
+
     def request(self, name: str, values: Values) -> Values | None:
-        raise Refused  # colours are the world file's; Stage refuses these requests too
+        if name == "set_color":
+            number = values["channel"]
+            bounds = [
+                (values[f"{color}_min"], values[f"{color}_max"])
+                for color in ("red", "green", "blue")
+            ]
+            if number >= MOST_CHANNELS or any(least > most for least, most in bounds):
+                raise Refused
+            self.channels[number] = Channel(*bounds)
+            self.told = True
+            return None
+        if name == "get_color":
+            # Player has no field for the channel in this request: the first one is meant
+            if not self.channels:
+                raise Refused
+            number = min(self.channels)
+            channel = self.channels[number]
+            return {"channel": number} | {
+                f"{color}_{end}": value
+                for color in ("red", "green", "blue")
+                for end, value in zip(("min", "max"), getattr(channel, color), strict=True)
+            }
+        raise Refused  # the camera has no imager to be set
+
+
+def exactly(color: int) -> Channel:
+    """The channel that takes one colour 0xRRGGBB alone."""
+    red, green, blue = color >> 16 & 255, color >> 8 & 255, color & 255
+    return Channel((red, red), (green, green), (blue, blue))
+
+
+def carried_id(context: Context, robot: int, name: str, values: Values) -> Values:
+    """Answer a request about the id that a robot carries: to read it, or to set it."""
+    if name == "get_id":
+        return {"id": context.fiducials[robot]}
+    if name != "set_id" or values["id"] > LARGEST_ID:
+        raise Refused
+    fiducial = values["id"]
+
+    def mark() -> None:
+        context.fiducials[robot] = fiducial
+        context.remark(robot, fiducial)
+
+    context.later(robot, mark, "fiducial")
+    return {"id": fiducial}
 
 
 class FiducialFinder(SensorDevice):
@@ -89,53 +179,27 @@ class FiducialFinder(SensorDevice):
                 "max_range": readings.max_range,
                 "view_angle": readings.fov,
             }
-        if name == "get_id":
-            return {"id": self.context.models[self.robot].fiducial or 0}
-        raise Refused
+        return carried_id(self.context, self.robot, name, values)
 
 
-class Bumper(SensorDevice):
-    """Switches around the body."""
+class Marker:
+    """The id of a robot that carries one and has no finder itself: it sees nothing, ever."""
 
-    addr = DeviceAddr(Interface.BUMPER, 0)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        readings = self.group.readings
-        assert isinstance(readings, Bits)
-        bits = readings.bits[self.row].astype(np.uint8).tobytes()
-        return ((1, COUNTS.pack(len(bits), len(bits)) + bits + bytes(-len(bits) % 4)),)
-
-    def request(self, name: str, values: Values) -> Values | None:
-        readings = self.group.readings
-        assert isinstance(readings, Bits)
-        if name != "geometry":
-            raise Refused
-        count = readings.bits.shape[1]
-        arcs = readings.arcs
-        if arcs is None:
-            arcs = np.array([[k, k + 1] for k in range(count)]) * (2 * math.pi / count)
-        rows = []
-        for start, end in arcs:
-            middle, span = 0.5 * (start + end), end - start
-            pose = flat_pose(REACH * math.cos(middle), REACH * math.sin(middle), float(middle))
-            rows.append((*pose, REACH * float(span), REACH))
-        return {"bumpers": rows}
-
-
-REACH = 0.5
-"""Metres: the nominal radius at which a bumper's segments are said to lie."""
-
-
-class AnalogInput(SensorDevice):
-    """Plain numbers on Player's aio interface."""
-
-    addr = DeviceAddr(Interface.AIO, 0)
+    def __init__(self, context: Context, robot: int, size: tuple[float, float, float]) -> None:
+        self.context = context
+        self.robot = robot
+        self.size = size
+        self.addr = DeviceAddr(Interface.FIDUCIAL, 0)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        readings = self.group.readings
-        assert isinstance(readings, Scalars)
-        values = readings.values[self.row].astype(">f4")
-        return ((1, COUNTS.pack(len(values), len(values)) + values.tobytes()),)
+        return ()
+
+    def command(self, name: str, values: Values) -> None:
+        """There are no commands."""
 
     def request(self, name: str, values: Values) -> Values | None:
-        raise Refused
+        if name == "geometry":
+            length, width, height = self.size
+            size = (width, length, height)
+            return {"pose": flat_pose(), "size": size, "fiducial_size": (width, length)}
+        return carried_id(self.context, self.robot, name, values)

@@ -10,25 +10,47 @@ from typing import Any
 
 from player import DeviceAddr
 from player.codes import Interface
-from sim.devices.device import Context, Refused, Values, flat_pose
+from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
 
 COLOR = struct.Struct("<4f")
 TIME = struct.Struct("<Q")
 
+MOST_PROPERTIES = 256
+"""Properties of one robot."""
+LONGEST_VALUE = 1 << 16
+"""Bytes of one property's value."""
+LONGEST_KEY = 256
+"""Characters of one property's name."""
+
 
 class Simulation:
-    """A robot's access to the simulation.
+    """Access to the simulation for the clients of one robot, or of all robots at a shared port.
 
     With `simulation: report` in its model a robot may set and get its own properties and read
     the time; everything else is refused. With `full` it may read and set any robot's pose and
-    properties, pause and reset.
+    properties, pause and reset. Clients of a shared port may do what any robot there may: which
+    of them a client is, nobody can tell.
     """
 
     def __init__(self, context: Context, robot: int, full: bool) -> None:
         self.context = context
         self.robot = robot
+        self.members = {robot: None}
         self.full = full
         self.addr = DeviceAddr(Interface.SIMULATION, 0)
+
+    def admit(self, robot: int, full: bool) -> None:
+        """Another robot's clients come in here too."""
+        self.members[robot] = None
+        self.full |= full
+
+    def later(self, target: int, what: str, action: Action) -> None:
+        """Have something done to a robot at the next command phase, in the order of robots.
+
+        That is the order of those who ask; at a shared port, of those who are meant.
+        """
+        asking = self.robot if len(self.members) == 1 else target
+        self.context.later(asking, action, (what, target))
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ()
@@ -40,7 +62,7 @@ class Simulation:
         if name == "pause":
             context.paused = not context.paused
         elif name == "reset":
-            context.later(self.robot, lambda: setattr(context, "resets", context.resets + 1))
+            context.later(self.robot, lambda: setattr(context, "resets", 1), "reset")
 
     def request(self, name: str, values: Values) -> Values | None:
         if name == "get_property":
@@ -64,18 +86,23 @@ class Simulation:
         if name in ("set_pose2d", "set_pose3d"):
             pose = values["pose"]
             goal = (pose[0], pose[1], pose[-1])
-            if not all(map(math.isfinite, goal)):
+            if not (sane(*goal) and self.inside(goal[0], goal[1])):
                 raise Refused
-            context.later(self.robot, lambda: context.put(target, goal))
+            self.later(target, "put", lambda: context.put(target, goal))
             return None
         raise Refused
 
     def target(self, name: str) -> int:
-        """The robot of that name that this robot may deal with; raises Refused."""
+        """The robot of that name, if a client here may deal with it; raises Refused."""
         robot = self.context.robots.get(name)
-        if robot is None or (robot != self.robot and not self.full):
+        if robot is None or (robot not in self.members and not self.full):
             raise Refused
         return robot
+
+    def inside(self, x: float, y: float) -> bool:
+        """Whether a point lies in the world: nothing is put where the world has no place for it."""
+        width, height = self.context.stage.layout.size
+        return 0.0 <= x <= width and 0.0 <= y <= height
 
     def get_property(self, values: Values) -> Values:
         key = values["property"]
@@ -99,11 +126,17 @@ class Simulation:
             raise Refused
         if key == "color":
             color = parse_color_value(data)
-            self.context.later(self.robot, lambda: self.paint(target, color))
+            self.later(target, "color", lambda: self.paint(target, color))
             return
+        if len(data) > LONGEST_VALUE or len(key) > LONGEST_KEY:
+            raise Refused
         value = parse_json(data)
+        names = self.context.property_names.setdefault(target, set())
+        if key not in names and len(names) >= MOST_PROPERTIES:
+            raise Refused
+        names.add(key)
         properties = self.context.records[target].properties
-        self.context.later(self.robot, lambda: properties.__setitem__(key, value))
+        self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
 
     def paint(self, target: int, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
@@ -132,11 +165,11 @@ def color_bytes(color: int) -> bytes:
 def parse_color_value(data: bytes) -> int:
     """A colour in Stage's layout of four floats, or as JSON text `"#rrggbb"`; raises Refused."""
     if len(data) == COLOR.size and not data.startswith(b'"'):
-        parts = COLOR.unpack(data)[:3]
+        parts: tuple[float, ...] = COLOR.unpack(data)[:3]
         if not all(math.isfinite(part) for part in parts):
             raise Refused
         red, green, blue = (round(255 * min(1.0, max(0.0, part))) for part in parts)
-        return int(red << 16 | green << 8 | blue)
+        return red << 16 | green << 8 | blue
     text = parse_json(data)
     if not (isinstance(text, str) and len(text) == 7 and text[0] == "#"):
         raise Refused

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 
 from player import messages
@@ -10,6 +11,7 @@ from player.directory import Directory
 from player.server import Connection
 from player.session import Command, Request
 from sim.devices.device import Device, Refused
+from sim.devices.simulation import Simulation
 
 
 class Port:
@@ -18,21 +20,21 @@ class Port:
     def __init__(self) -> None:
         self.directory = Directory()
         self.devices: dict[DeviceAddr, Device] = {}
-        self.robots: list[int] = []
+        self.robots: dict[int, None] = {}
+        self.counts: Counter[int] = Counter()  # devices by interface
 
-    def add(self, device: Device, index: int | None = None) -> None:
-        """Serve a device at its own index, or at another one."""
-        addr = device.addr if index is None else DeviceAddr(device.addr.interf, index)
-        self.devices[addr] = device
-        self.directory.add(addr)
-        if device.robot not in self.robots:
-            self.robots.append(device.robot)
-
-    def serve(self, devices: Iterable[Device]) -> None:
-        """Serve devices at the next free index of their interfaces."""
+    def serve(self, devices: Iterable[Device]) -> dict[Device, DeviceAddr]:
+        """Serve devices at the next free index of their interfaces; where each is found."""
+        found = {}
         for device in devices:
-            index = sum(addr.interf == device.addr.interf for addr in self.devices)
-            self.add(device, index)
+            interface = device.addr.interf
+            addr = DeviceAddr(interface, self.counts[interface])
+            self.counts[interface] += 1
+            self.devices[addr] = device
+            self.directory.add(addr)
+            self.robots[device.robot] = None
+            found[device] = addr
+        return found
 
 
 class Switchboard:
@@ -43,6 +45,7 @@ class Switchboard:
         self.subscribers: dict[Device, dict[Connection, DeviceAddr]] = {}
         self.connections: dict[Connection, None] = {}
         self.changed = True  # what is wanted has changed since `wanted` was last read
+        self.pauser: tuple[Connection, Simulation] | None = None
 
     def add_port(self) -> Port:
         """A new port that serves nothing yet."""
@@ -74,16 +77,27 @@ class Switchboard:
         self.changed = True
         return device
 
-    def forget(self, connection: Connection) -> list[Device]:
-        """A connection is gone; the devices that it had subscribed."""
-        had = [device for device, them in self.subscribers.items() if them.pop(connection, None)]
+    def forget(self, connection: Connection) -> None:
+        """A connection is gone: its subscriptions end, and so does a pause that it has asked for.
+
+        Nobody else may know that the clock was stopped, or be there to let it go on.
+        """
+        devices = self.port(connection).devices
+        for addr in connection.session.subscribed:
+            self.subscribers.get(devices[addr], {}).pop(connection, None)
         self.connections.pop(connection, None)
         self.changed = True
-        return had
+        if self.pauser is not None and self.pauser[0] is connection:
+            self.pauser[1].context.paused = False
+            self.pauser = None
 
-    def command(self, connection: Connection, event: Command) -> None:
-        """Pass a command to its device."""
-        self.port(connection).devices[event.addr].command(event.name, event.message)
+    def command(self, connection: Connection, event: Command) -> Device:
+        """Pass a command to its device, which is returned."""
+        device = self.ports[id(connection.session.directory)].devices[event.addr]
+        device.command(event.name, event.message)
+        if event.name == "pause" and isinstance(device, Simulation):
+            self.pauser = (connection, device) if device.context.paused else None
+        return device
 
     def request(self, connection: Connection, event: Request) -> None:
         """Have a device answer a request: exactly one ACK or NACK goes out."""

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from time import monotonic
 from typing import Literal
 
-from player.codes import DataMode, Interface
+from player.codes import Interface
 from player.server import Connected, Connection, Disconnected, Server, ServerEvent
 from player.session import (
     Command,
@@ -24,28 +23,24 @@ from player.session import (
     Unsubscribed,
 )
 from sim.devices.switchboard import Port, Switchboard
+from sim.fleet.clocks import Clocks
 from sim.fleet.driver import Driver
 from sim.fleet.fleet import Fleet, Launch
+from sim.fleet.origin import is_from
+from sim.fleet.patience import Patience, hint
 from sim.result import ControllerState
 
-HINT_AFTER = 5.0
-"""Wall-clock seconds after which a wait for one of several clocks of one client is explained."""
+__all__ = ["Crew", "Patience"]
 
+MOVING = frozenset((int(Interface.POSITION2D), int(Interface.DIO)))
+"""Interfaces whose commands go on to have an effect after their client has gone."""
 
-@dataclass(frozen=True)
-class Patience:
-    """Wall-clock seconds that a controller may keep the others waiting."""
-
-    reading: float = 60.0
-
-    @property
-    def entry(self) -> float:
-        """Until its first request: it may have much to load."""
-        return 2 * self.reading
+LAST_WORDS = 256
+"""Polls at the most for what a process wrote before its end: 16 MiB, above any socket's buffer."""
 
 
 class Crew:
-    """Drivers by robot. `stop(robot)` is called when a robot's controller has let go of it."""
+    """Drivers by robot. `stop(robot)` is called when nobody drives a robot any more."""
 
     def __init__(
         self,
@@ -62,15 +57,15 @@ class Crew:
         self.switchboard = switchboard
         self.fleet = fleet
         self.patience = patience
-        self.any_clock = clock == "any"
+        self.clocks = Clocks(clock == "any")
         self.stop = stop
         self.say = say
         self.drivers: list[Driver] = []
-        self.behind: dict[int, None] = {}  # robots whose controllers the world waits for
         self.interrupted = False
         self.waiting = False  # for clients: a signal that comes now need not break off anything
         self.paused: Callable[[], bool] = lambda: False
         self.hinted = False
+        self.look_at = 0.0  # when to look again who has used up the patience
         fleet.attach(server.watch, server.unwatch)
 
     # -- entries ----------------------------------------------------------------------------
@@ -80,8 +75,7 @@ class Crew:
         assert driver.robot == len(self.drivers)
         self.drivers.append(driver)
         if driver.kind != "none":
-            driver.since = monotonic()
-            self.behind[driver.robot] = None
+            self.clocks.enter(driver)
 
     def launch(
         self, driver: Driver, launch: Launch, environment: dict[str, str], port: Port | None
@@ -91,106 +85,91 @@ class Crew:
         if port is not None:
             ours, theirs = socket.socketpair()
             driver.connection = self.server.adopt(ours, port.directory, peer=driver.record.name)
+        driver.environment = environment
         self.fleet.start(driver.robot, driver.record.name, launch, environment, theirs)
 
     # -- the wait ---------------------------------------------------------------------------
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Serve requests until the world may move on; False if `timeout` seconds pass first."""
+        """Serve requests until the world may move on; False if `timeout` seconds pass first.
+
+        Whoever has something to say is heard at least once, also where nobody is waited for.
+        What is said to clients may stay unwritten: it goes out with the data of the tick.
+        """
         until = None if timeout is None else monotonic() + timeout
-        self.server.flush()
+        heard = False
         while not self.interrupted:
-            if until is None and self.ready():
+            ready = until is None and self.ready()
+            if ready and heard:
                 return True
-            left = self.time_left() if until is None else until - monotonic()
+            left = (self.look_at if until is None else until) - monotonic()
             if until is not None and left <= 0:
                 return False
             self.waiting = True
-            events = self.server.poll(max(0.0, min(left, 1.0)))
+            events = self.server.poll(0.0 if ready else min(max(left, 0.0), 1.0))
             self.waiting = False
+            heard = True
             self.take(events)
-            self.server.flush()
             self.notice_ends()
-            if until is None and not self.paused():
+            if until is None and monotonic() >= self.look_at:
                 self.notice_hung()
         return False
 
     def ready(self) -> bool:
         """Whether nobody is waited for any more."""
-        if self.paused():
-            return False
-        if not self.behind:
-            return True
-        if not self.any_clock:
-            return False
-        starting = any(not self.drivers[robot].asked for robot in self.behind)
-        clocks = [clock for driver in self.drivers if (clock := driver.clock()) is not None]
-        return not starting and any(clock.session.waiting for clock in clocks)
+        return not self.paused() and self.clocks.ready()
 
     def next_round(self) -> None:
         """Data has been published: every clock that has been served is waited for again."""
-        now = monotonic()
-        for driver in self.drivers:
-            if not driver.clocks:
-                continue
-            clock = driver.clock()
-            if clock is not None and not clock.session.waiting:
-                driver.since = now
-                self.behind[driver.robot] = None
+        self.clocks.next_round()
 
-    def time_left(self) -> float:
-        """Seconds until the patience with somebody ends."""
-        now = monotonic()
-        left = [self.limit(self.drivers[robot]) - now for robot in self.behind]
-        return min(left, default=1.0)
+    @property
+    def behind(self) -> dict[int, Driver]:
+        """The robots whose controllers the world waits for."""
+        return self.clocks.behind
 
-    def limit(self, driver: Driver) -> float:
-        return driver.since + (self.patience.reading if driver.asked else self.patience.entry)
+    @property
+    def pushed_only(self) -> bool:
+        """Whether clients drive robots and none of them, and no program, is a clock."""
+        clocks = self.clocks
+        return bool(clocks.driven) and not clocks.clocked and not clocks.behind
 
     def notice_hung(self) -> None:
         """Give up those that have kept the others waiting for too long."""
         now = monotonic()
-        if not self.hinted and not self.any_clock:
-            self.hint(now)
-        for robot in [robot for robot in self.behind if self.limit(self.drivers[robot]) <= now]:
-            driver = self.drivers[robot]
-            waited = now - driver.since
-            self.say(f"{driver.record.name}: hung: nothing for {waited:.0f} s, its robot stops")
-            if driver.launched:
-                self.fleet.kill(robot)
-            if driver.connection is not None and driver.connection.is_open:
-                self.take(self.server.poll(0))
-            for connection in [driver.connection, *driver.clocks]:
-                if connection is not None and connection.is_open:
-                    self.leave(connection)
-                    connection.close()
-            self.end(driver, "hung", None, f"kept the others waiting for {waited:.0f} s")
-
-    def hint(self, now: float) -> None:
-        """One client that reads several robots in turn waits for ever: say what would help."""
-        waiting = {
-            clock.peer.rpartition(":")[0]
-            for driver in self.drivers
-            if driver.kind == "external"
-            and (clock := driver.clock()) is not None
-            and clock.session.waiting
-        }
-        for robot in self.behind:
-            driver = self.drivers[robot]
-            clock = driver.clock()
-            if (
-                driver.kind == "external"
-                and clock is not None
-                and now - driver.since > HINT_AFTER
-                and clock.peer.rpartition(":")[0] in waiting
-            ):
+        self.look_at = now + self.patience.look_after
+        behind = list(self.behind.values())
+        if self.paused():
+            for driver in behind:
+                driver.since = now
+            return
+        if not self.hinted and not self.clocks.any_clock:
+            line = hint(behind, self.clocks.clocked.values(), now)
+            if line is not None:
                 self.hinted = True
-                self.say(
-                    f"{driver.record.name}: its client has not asked for data for "
-                    f"{HINT_AFTER:.0f} s while others wait. A program that reads several robots "
-                    "in turn needs `player: {clock: any}` in the world file"
-                )
-                return
+                self.say(line)
+        for driver in behind:
+            if self.patience.limit(driver) <= now:
+                self.give_up(driver, now - driver.since)
+
+    def give_up(self, driver: Driver, waited: float) -> None:
+        """End a controller that hangs, unless it has moved in the meantime."""
+        self.take(self.server.poll(0))
+        if driver.robot not in self.behind:
+            return
+        name = driver.record.name
+        error = f"kept the others waiting for {waited:.0f} s"
+        if driver.kind == "external" and not driver.clocks:
+            error = f"no client that drives it has come within {waited:.0f} s"
+            self.say(f"{name}: {error}; it stands still")
+        else:
+            self.say(f"{name}: hung: nothing for {waited:.0f} s, its robot stops")
+        if driver.launched:
+            self.fleet.kill(driver.robot)
+        for connection in [driver.connection, *driver.clocks]:
+            if connection is not None and connection.is_open:
+                self.close(connection)
+        self.end(driver, "hung", None, error)
 
     # -- events -----------------------------------------------------------------------------
 
@@ -200,10 +179,15 @@ class Crew:
             kind = type(event)
             if kind is DataRequested:
                 assert isinstance(event, DataRequested)
-                self.asked(connection, event.served)
+                if not event.served:
+                    self.clocks.asked(connection)
+                    if self.clocks.unasked:
+                        self.first_reading(connection)
             elif kind is Command:
                 assert isinstance(event, Command)
-                self.switchboard.command(connection, event)
+                device = self.switchboard.command(connection, event)
+                if event.addr.interf in MOVING:
+                    self.drivers[device.robot].commander = connection
             elif kind is Request:
                 assert isinstance(event, Request)
                 self.switchboard.request(connection, event)
@@ -214,101 +198,86 @@ class Crew:
                 assert isinstance(event, Unsubscribed)
                 device = self.switchboard.unsubscribe(connection, event.addr)
                 if event.addr.interf == Interface.POSITION2D:
-                    self.release(connection, device.robot)
+                    self.release(connection, self.drivers[device.robot])
             elif kind is ModeChanged:
-                self.mode_changed(connection)
+                for driver in self.clocks.driven.get(connection, {}).values():
+                    self.clocks.choose(driver)
             elif kind is Disconnected:
                 assert isinstance(event, Disconnected)
                 self.disconnected(connection, event.reason)
             elif kind is Connected:
                 pass
 
-    def robots_of(self, connection: Connection) -> list[Driver]:
-        """The robots whose devices a connection can reach."""
-        return [self.drivers[robot] for robot in self.switchboard.port(connection).robots]
-
-    def asked(self, connection: Connection, served: bool) -> None:
-        for driver in self.robots_of(connection):
-            if driver.kind == "none":
+    def first_reading(self, connection: Connection) -> None:
+        """A controller that reads without driving has no clock: it looks on from now on."""
+        if connection in self.clocks.driven:
+            return
+        for robot in self.switchboard.port(connection).robots:
+            driver = self.clocks.unasked.get(robot)
+            if driver is None or driver.clocks:
                 continue
-            clock = driver.clock()
-            if clock is connection:
-                driver.asked = True
-                if not served:
-                    self.behind.pop(driver.robot, None)
-            elif clock is None and not driver.asked and not driver.ending:
-                driver.asked = True  # reads without driving: an onlooker, and no clock
-                self.behind.pop(driver.robot, None)
+            if driver.kind == "external" and driver.drives:
+                continue  # its client is the one that will drive it
+            if self.is_own(driver, connection):
+                self.clocks.has_asked(driver)
+
+    def is_own(self, driver: Driver, connection: Connection) -> bool:
+        """Whether a connection is the robot's controller's, and not of somebody who looks on."""
+        if driver.kind == "program":
+            return driver.running and connection is driver.connection
+        if driver.kind == "command":
+            if connection not in driver.origins:
+                driver.origins[connection] = is_from(connection, driver.environment)
+            return driver.running and driver.origins[connection]
+        return driver.kind == "external"
 
     def subscribed(self, connection: Connection, event: Subscribed) -> None:
+        """A connection has subscribed a device; with the drive it may have become the clock."""
         device = self.switchboard.subscribe(connection, event.addr)
         driver = self.drivers[device.robot]
-        if connection is driver.connection or driver.kind in ("command", "external"):
-            name = str(event.addr)
-            if name not in driver.record.devices:
-                driver.record.devices.append(name)
-        if event.addr.interf == Interface.POSITION2D and driver.kind != "none":
-            driver.clocks.append(connection)
-            driver.ending = False
-            if driver.kind == "external" and driver.record.state == "lost":
+        if event.addr.interf == Interface.POSITION2D and self.is_own(driver, connection):
+            if driver.kind == "external" and driver.record.state in ("lost", "hung"):
                 driver.record.state, driver.record.error = "running", None
-                self.say(f"{driver.record.name}: a client has come back ({connection.peer})")
-            if connection.session.mode == DataMode.PUSH:
-                driver.asked = True  # it is sent data without asking
-                self.behind.pop(driver.robot, None)
-            elif driver.clock() is connection and not connection.session.waiting:
-                driver.since = monotonic()
-                self.behind[driver.robot] = None
+                self.say(f"{driver.record.name}: a client has come ({connection.peer})")
+            self.clocks.join(connection, driver)
+        if connection in driver.clocks or not driver.drives or connection is driver.connection:
+            devices = self.switchboard.port(connection).devices
+            own = [a for a in connection.session.subscribed if devices[a].robot == driver.robot]
+            note_devices(driver, map(str, own))
 
-    def mode_changed(self, connection: Connection) -> None:
-        for driver in self.drivers:
-            if connection not in driver.clocks:
-                continue
-            clock = driver.clock()
-            if clock is None:
-                driver.asked = True
-                self.behind.pop(driver.robot, None)
-            elif not clock.session.waiting:
-                driver.since = monotonic()
-                self.behind[driver.robot] = None
-
-    def leave(self, connection: Connection) -> None:
-        """A connection is gone: its subscriptions end."""
-        self.switchboard.forget(connection)
-
-    def release(self, connection: Connection, robot: int) -> None:
+    def release(self, connection: Connection, driver: Driver) -> None:
         """A connection does not drive a robot any more."""
-        driver = self.drivers[robot]
-        if connection not in driver.clocks:
-            return
-        driver.clocks.remove(connection)
-        clock = driver.clock()
-        if clock is not None:
-            if clock.session.waiting:
-                self.behind.pop(robot, None)
-        elif driver.running and not driver.ending:
-            self.behind.pop(robot, None)
-        if not driver.clocks:
-            self.stop(robot)
+        self.clocks.leave(connection, driver)
+        if driver.commander is connection:
+            driver.commander = None
+            self.stop(driver.robot)
 
     def disconnected(self, connection: Connection, reason: str) -> None:
-        drove = [driver for driver in self.drivers if connection in driver.clocks]
+        """A connection is gone, and with it the commands that it has given."""
         if "not Player's protocol" in reason:
             self.say(f"{connection.peer}: {reason}")
-        self.leave(connection)
+        drove = list(self.clocks.driven.get(connection, {}).values())
+        self.switchboard.forget(connection)
+        for robot in self.switchboard.port(connection).robots:
+            driver = self.drivers[robot]
+            driver.origins.pop(connection, None)
+            left = driver in drove or connection is driver.connection
+            alone = all(other is connection for other in driver.clocks)
+            ends = left and alone and driver.launched and driver.running
+            driver.ending |= ends
+            self.release(connection, driver)
+            if ends:
+                # which comes first, the end of the connection or that of the process, must not
+                # depend on the machine's load: the world stands until both are known
+                self.clocks.wait_for(driver)
         for driver in drove:
-            self.release(connection, driver.robot)
-        for driver in {d.robot: d for d in [*drove, *self.robots_of(connection)]}.values():
-            if not driver.running or driver.clock() is not None:
-                continue
-            if driver.launched and (connection is driver.connection or driver in drove):
-                # its process must end, or connect again, before the world moves on: which of
-                # the two comes first must not depend on the machine's load
-                driver.ending = True
-                driver.since = monotonic()
-                self.behind[driver.robot] = None
-            elif driver.kind == "external" and driver in drove:
+            if driver.kind == "external" and driver.running and not driver.clocks:
                 self.end(driver, "lost", None, f"{connection.peer}: {reason}")
+
+    def close(self, connection: Connection) -> None:
+        """Close a connection from our side."""
+        connection.close()
+        self.disconnected(connection, "closed by the simulator")
 
     # -- ends -------------------------------------------------------------------------------
 
@@ -327,21 +296,23 @@ class Crew:
                 self.say(f"{driver.record.name}: failed: {self.describe(robot, code, brief=True)}")
 
     def drain(self, driver: Driver) -> None:
-        """Take what a process wrote before its end, then close its connections."""
-        connection = driver.connection
-        if connection is None:
-            return
-        for _ in range(64):
-            if not connection.is_open:
+        """Take what a process wrote before its end, then close what it has inherited."""
+        for _ in range(LAST_WORDS):
+            own = {driver.connection, *driver.clocks}
+            if driver.kind == "program" and (
+                driver.connection is None or not driver.connection.is_open
+            ):
                 break
             events = self.server.poll(0)
             self.take(events)
-            self.server.flush()
-            if not any(one is connection for one, _ in events):
+            port = self.switchboard.port
+            if not any(
+                one in own or (driver.kind == "command" and driver.robot in port(one).robots)
+                for one, _ in events
+            ):
                 break
-        if connection.is_open:
-            connection.close()
-            self.disconnected(connection, "its process has ended")
+        if driver.connection is not None and driver.connection.is_open:
+            self.close(driver.connection)
 
     def describe(self, robot: int, code: int, brief: bool = False) -> str:
         """What is known of a process's failure."""
@@ -356,13 +327,16 @@ class Crew:
     def end(
         self, driver: Driver, state: ControllerState, code: int | None, error: str | None
     ) -> None:
-        """A controller's run is over; its robot stops."""
+        """A controller's run is over; its robot stops, for good unless a client may come back."""
+        if driver.kind == "external":
+            self.stop(driver.robot)  # while it counts as running: it is not to become a body
         driver.record.state = state
         driver.record.exit_code = code
         driver.record.error = error
-        driver.ending = False
-        self.behind.pop(driver.robot, None)
-        self.stop(driver.robot)
+        driver.commander = None
+        self.clocks.retire(driver)
+        if driver.kind != "external":
+            self.stop(driver.robot)
 
     @property
     def running(self) -> list[Driver]:
@@ -379,3 +353,8 @@ class Crew:
             self.fleet.take_ended()
         self.fleet.close()
         self.server.close()
+
+
+def note_devices(driver: Driver, names: Iterable[str]) -> None:
+    """Put down, for the result, which devices a controller has subscribed."""
+    driver.record.devices += [name for name in names if name not in driver.record.devices]

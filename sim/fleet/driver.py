@@ -19,11 +19,20 @@ class Driver:
     robot: int
     kind: Kind
     record: RobotRecord
+    drives: bool = True  # whether the robot has a drive: without one it never has a clock
+    environment: dict[str, str] = field(default_factory=dict)  # by which its process is known
     asked: bool = False  # its first request has come: until then the clock stands
     ending: bool = False  # its connection is gone, its process not yet
     since: float = 0.0
-    clocks: list[Connection] = field(default_factory=list)  # have subscribed its position2d
     connection: Connection | None = None  # the inherited one
+    clocks: list[Connection] = field(default_factory=list)
+    """The controller's connections that have subscribed its position2d, earliest first."""
+    clock: Connection | None = None
+    """The one that the world waits for: the earliest of `clocks` that is in pull mode."""
+    origins: dict[Connection, bool] = field(default_factory=dict)
+    """Whether connections over TCP come from the controller's process, as far as asked."""
+    commander: Connection | None = None
+    """Who gave the last command, controller or not: when it goes away, the robot stops."""
 
     @property
     def launched(self) -> bool:
@@ -34,9 +43,15 @@ class Driver:
     def running(self) -> bool:
         return self.record.state == "running"
 
-    def clock(self) -> Connection | None:
-        """The earliest live pull-mode connection that has subscribed the robot's position2d."""
+    @property
+    def starting(self) -> bool:
+        """Whether its controller has not come yet, or is a program that has not asked yet."""
+        return not self.asked and (self.kind == "program" or self.clock is None)
+
+    def choose_clock(self) -> None:
+        """To be called whenever `clocks`, or the mode of one of them, has changed."""
+        self.clock = None
         for connection in self.clocks:
-            if connection.is_open and connection.session.mode == DataMode.PULL:
-                return connection
-        return None
+            if connection.is_open and connection.session.mode is DataMode.PULL:
+                self.clock = connection
+                return

@@ -26,6 +26,7 @@ models:
     fiducial: 3
     sensors:
       - {type: laser, samples: 5}
+      - {type: ranger, samples: 9}
       - {type: ranger, elements: [[0, 0, 0], [0, 0, 90]]}
       - {type: blobfinder}
       - {type: fiducial}

@@ -1,0 +1,67 @@
+"""bumper and aio: what a robot touches and measures."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterable
+
+import numpy as np
+
+from player import DeviceAddr
+from player.codes import Interface
+from sensors.readings import Bits, Scalars
+from sim.devices.device import Context, Refused, Values, flat_pose
+from sim.devices.seeing import SensorDevice
+
+COUNTS = struct.Struct(">II")
+
+
+class Bumper(SensorDevice):
+    """Switches around the body."""
+
+    addr = DeviceAddr(Interface.BUMPER, 0)
+
+    def __init__(
+        self, context: Context, robot: int, slot: int, size: tuple[float, float, float]
+    ) -> None:
+        super().__init__(context, robot, slot)
+        self.radius = 0.5 * max(size[:2])
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        readings = self.group.readings
+        assert isinstance(readings, Bits)
+        bits = readings.bits[self.row].astype(np.uint8).tobytes()
+        return ((1, COUNTS.pack(len(bits), len(bits)) + bits + bytes(-len(bits) % 4)),)
+
+    def request(self, name: str, values: Values) -> Values | None:
+        """A segment per switch: an arc of the circle that is as wide as the body."""
+        readings = self.group.readings
+        assert isinstance(readings, Bits)
+        if name != "geometry":
+            raise Refused
+        count = readings.bits.shape[1]
+        arcs = readings.arcs
+        if arcs is None:
+            arcs = np.array([[k, k + 1] for k in range(count)]) * (2 * math.pi / count)
+        rows = []
+        for start, end in arcs.tolist():
+            middle, span = 0.5 * (start + end), end - start
+            pose = flat_pose(self.radius * math.cos(middle), self.radius * math.sin(middle), middle)
+            rows.append((*pose, self.radius * span, self.radius))
+        return {"bumpers": rows}
+
+
+class AnalogInput(SensorDevice):
+    """Plain numbers on Player's aio interface."""
+
+    addr = DeviceAddr(Interface.AIO, 0)
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        readings = self.group.readings
+        assert isinstance(readings, Scalars)
+        values = readings.values[self.row].astype(">f4")
+        return ((1, COUNTS.pack(len(values), len(values)) + values.tobytes()),)
+
+    def request(self, name: str, values: Values) -> Values | None:
+        raise Refused

@@ -1,0 +1,145 @@
+"""laser: a scan, whole or the part of it that a client has configured."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from player import DeviceAddr
+from player.codes import Interface
+from sensors.readings import Scans
+from sim.devices.batch import Encoders
+from sim.devices.device import Context, Refused, Values, flat_pose, sane
+from sim.devices.ranging import SENSOR_SIZE, RangingDevice
+
+HEAD = struct.Struct(">ffffII")
+COUNTS = struct.Struct(">II")
+ID = bytes(4)
+POSE = struct.Struct(">ddd")
+
+WITH_POSE = "scan_pose"
+"""The property by which scans come with the robot's pose (Player's SCANPOSE)."""
+SCAN, SCAN_POSE = 1, 2
+"""Subtypes of the laser's data."""
+
+SLACK = 1e-3
+"""Of a step between two rays: angles travel as float32, which know a ray's place to about 1e-5."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Which rays of a scan are served: first to last in steps, as far as `max_range`."""
+
+    first: int
+    last: int
+    step: int
+    max_range: float
+    intensity: bool = False
+
+
+class Laser(RangingDevice):
+    """A scan on Player's laser interface.
+
+    A client may narrow it, thin it out and shorten it (SET_CONFIG): whatever it asks for is cut
+    to what the sensor of the world file can do, and the reply says what it is now.
+    """
+
+    addr = DeviceAddr(Interface.LASER, 0)
+
+    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
+        super().__init__(context, encoders, robot, slot)
+        assert isinstance(self.group.readings, Scans)
+        self.whole = Cut(0, self.scans.ranges.shape[1] - 1, 1, self.scans.max_range)
+        self.cut = self.whole
+        self.with_pose = False
+
+    @property
+    def scans(self) -> Scans:
+        readings = self.group.readings  # another object after a robot has entered
+        assert isinstance(readings, Scans)
+        return readings
+
+    def publish(self) -> Iterable[tuple[int, bytes]]:
+        scan = self.payload("scans") if self.cut == self.whole else self.encode()
+        if not self.with_pose:
+            return ((SCAN, scan),)
+        pose = POSE.pack(*self.context.odometry.poses[self.robot].tolist())
+        return ((SCAN_POSE, scan + pose),)
+
+    def encode(self) -> bytes:
+        """The part of the scan that has been configured."""
+        scans, cut = self.scans, self.cut
+        rays = slice(cut.first, cut.last + 1, cut.step)
+        seen = scans.ranges[self.row, rays]
+        ranges = np.minimum(seen, cut.max_range)
+        least, most, step = self.angles()
+        head = HEAD.pack(least, most, step, cut.max_range, len(ranges), len(ranges))
+        marks = b""
+        if cut.intensity:
+            hit = (scans.hits[self.row, rays] >= 0) & (seen <= cut.max_range)
+            marks = hit.astype(np.uint8).tobytes()
+        intensities = COUNTS.pack(len(marks), len(marks)) + marks + bytes(-len(marks) % 4)
+        return head + ranges.astype(">f4").tobytes() + intensities + ID
+
+    def angles(self) -> tuple[float, float, float]:
+        """The first ray's bearing, the last one's, and the angle from ray to ray."""
+        scans, cut = self.scans, self.cut
+        right, step = -scans.fov / 2, scans.resolution
+        return (right + cut.first * step, right + cut.last * step, cut.step * step)
+
+    def request(self, name: str, values: Values) -> Values | None:
+        if name == "geometry":
+            return {"pose": flat_pose(*self.mount), "size": SENSOR_SIZE}
+        if name == "set_config":
+            self.cut = self.nearest(values)
+            return self.configuration()
+        if name == "get_config":
+            return self.configuration()
+        if name == "get_id":
+            return {"serial_number": self.slot}
+        if name == "power":
+            return None
+        if name == "get_bool_property" and values["key"] == WITH_POSE:
+            return {"key": WITH_POSE, "value": int(self.with_pose)}
+        if name == "set_bool_property" and values["key"] == WITH_POSE:
+            self.with_pose = bool(values["value"])
+            return None
+        raise Refused
+
+    def configuration(self) -> Values:
+        """What the scan is now."""
+        least, most, step = self.angles()
+        return {
+            "min_angle": least,
+            "max_angle": most,
+            "resolution": step,
+            "max_range": self.cut.max_range,
+            "range_resolution": 0.0,
+            "intensity": int(self.cut.intensity),
+            "scanning_frequency": 1.0 / self.context.interval,
+        }
+
+    def nearest(self, wanted: Values) -> Cut:
+        """The part of the scan that comes next to what a client wants; Refused where none does.
+
+        Angles are cut to the sensor's, the resolution is taken to whole steps between rays (0:
+        as fine as it gets), and a range above the sensor's, or 0, is the sensor's.
+        """
+        least, most, fine = wanted["min_angle"], wanted["max_angle"], wanted["resolution"]
+        reach = wanted["max_range"]
+        if not (sane(least, most, fine, reach) and least <= most and fine >= 0 and reach >= 0):
+            raise Refused
+        scans = self.scans
+        right, own = -scans.fov / 2, scans.resolution
+        first = max(0, math.ceil((least - right) / own - SLACK))
+        last = min(self.whole.last, math.floor((most - right) / own + SLACK))
+        if first > last:
+            raise Refused
+        step = max(1, round(fine / own))
+        last -= (last - first) % step
+        reach = min(reach, scans.max_range) if reach > 0 else scans.max_range
+        return Cut(first, last, step, reach, bool(wanted["intensity"]))

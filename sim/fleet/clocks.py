@@ -1,0 +1,105 @@
+"""Whom the world waits for: every robot's clock, and whether it has asked for data."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+from player.server import Connection
+from sim.fleet.driver import Driver
+
+
+class Clocks:
+    """The robots' clocks, and those of them that the world waits for.
+
+    `any_clock`: one that asks for data is enough for the world to move on, once all have come.
+    """
+
+    def __init__(self, any_clock: bool) -> None:
+        self.any_clock = any_clock
+        self.behind: dict[int, Driver] = {}  # robots whose controllers are waited for
+        self.clocked: dict[int, Driver] = {}  # robots that have a clock
+        self.unasked: dict[int, Driver] = {}  # robots whose controllers have not asked yet
+        self.driven: dict[Connection, dict[int, Driver]] = {}  # by controllers' connections
+
+    def enter(self, driver: Driver) -> None:
+        """A robot has entered: its controller is waited for until its first request."""
+        self.unasked[driver.robot] = driver
+        self.wait_for(driver)
+
+    def ready(self) -> bool:
+        """Whether nobody is waited for any more."""
+        if not self.behind:
+            return True
+        if not self.any_clock or any(driver.starting for driver in self.behind.values()):
+            return False
+        return any(d.clock.session.waiting for d in self.clocked.values() if d.clock is not None)
+
+    def next_round(self) -> None:
+        """Data has been published: every clock that has been served is waited for again."""
+        now = monotonic()
+        behind = self.behind
+        for robot, driver in self.clocked.items():
+            clock = driver.clock
+            if clock is not None and not clock.session.waiting:
+                driver.since = now
+                behind[robot] = driver
+
+    def wait_for(self, driver: Driver) -> None:
+        """The world does not move on before this controller has asked, from now on."""
+        driver.since = monotonic()
+        self.behind[driver.robot] = driver
+
+    def has_asked(self, driver: Driver) -> None:
+        """The world need not wait for this controller, this time."""
+        driver.asked = True
+        self.unasked.pop(driver.robot, None)
+        self.behind.pop(driver.robot, None)
+
+    def asked(self, connection: Connection) -> None:
+        """A connection waits for data."""
+        for driver in self.driven.get(connection, {}).values():
+            if driver.clock is connection:
+                self.has_asked(driver)
+
+    def join(self, connection: Connection, driver: Driver) -> None:
+        """A controller's connection has subscribed what drives its robot."""
+        self.driven.setdefault(connection, {})[driver.robot] = driver
+        driver.clocks.append(connection)
+        driver.ending = False
+        self.choose(driver)
+
+    def leave(self, connection: Connection, driver: Driver) -> None:
+        """It does not drive the robot any more."""
+        if connection not in driver.clocks:
+            return
+        driver.clocks.remove(connection)
+        drives = self.driven[connection]
+        del drives[driver.robot]
+        if not drives:
+            del self.driven[connection]
+        self.choose(driver)
+
+    def choose(self, driver: Driver) -> None:
+        """Find a robot's clock anew: its controller's connections, or their modes, have changed."""
+        before = driver.clock
+        driver.choose_clock()
+        clock = driver.clock
+        if clock is not None:
+            self.clocked[driver.robot] = driver
+            if clock.session.waiting:
+                self.has_asked(driver)
+            elif clock is not before:
+                self.wait_for(driver)
+            return
+        self.clocked.pop(driver.robot, None)
+        if driver.clocks:  # it is sent its data, without asking
+            self.has_asked(driver)
+        elif driver.asked and not driver.ending:
+            self.behind.pop(driver.robot, None)
+
+    def retire(self, driver: Driver) -> None:
+        """A controller's run is over: nobody waits for it, whatever is still connected."""
+        driver.ending = False
+        for connection in list(driver.clocks):
+            self.leave(connection, driver)
+        self.has_asked(driver)
