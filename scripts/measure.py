@@ -45,6 +45,7 @@ robots:
   - {{model: rover, count: {count}, placement: random, controller: {controller}}}
 controllers:
   reader: {{program: ./reader.py}}
+  outsider: {{command: [{python}, ./reader.py]}}
 """
 MARK = "<!-- measured -->"
 NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
@@ -79,6 +80,12 @@ def small_team(folder: Path, repeats: int) -> str:
     return f"{median_speed(repeats, str(path)):.0f} x real time"
 
 
+def rounds(folder: Path, controller: str, repeats: int) -> str:
+    """Rounds in lockstep per second: a laser and blobs are read, a command is given."""
+    path = world(folder, controller, 300, size=(16, 21), count=1)
+    return f"{median_speed(repeats, str(path)) / 0.1:.0f} per second"
+
+
 def first_tick(repeats: int) -> str:
     run_command("worlds/wander.yaml", "--duration", "0.1")  # warms the caches
     times = [run_command("worlds/wander.yaml", "--duration", "0.1")[1] for _ in range(repeats)]
@@ -97,7 +104,13 @@ def world(
     (folder / "reader.py").write_text(READER)
     path = folder / f"{controller}_{count}.yaml"
     path.write_text(
-        WORLD.format(duration=duration, controller=controller, size=list(size), count=count)
+        WORLD.format(
+            duration=duration,
+            controller=controller,
+            size=list(size),
+            count=count,
+            python=json.dumps(sys.executable),
+        )
     )
     return path
 
@@ -173,6 +186,10 @@ def main() -> None:
             ("the same with 1000 controller processes that wander",
              "0.5 x real time", crowd(folder, max(1, repeats // 2))),
             ("one ray, 1000 robots, one core", "under 30 ns", ray),
+            ("rounds of one robot over a socket pair (laser and blobs read, a command given)",
+             "", rounds(folder, "reader", repeats)),
+            ("the same over TCP", "300 in well under a second",
+             rounds(folder, "outsider", repeats)),
             ("`troupe run` to its first tick, caches warm", "under 1.5 s", first_tick(repeats)),
         ]  # fmt: skip
     table = "\n".join(

@@ -144,11 +144,8 @@ def carried_id(context: Context, robot: int, name: str, values: Values) -> Value
         raise Refused
     fiducial = values["id"]
 
-    def mark() -> None:
-        context.fiducials[robot] = fiducial
-        context.remark(robot, fiducial)
-
-    context.later(robot, mark, "fiducial")
+    context.fiducials[robot] = fiducial  # known to its own clients alone, until others look
+    context.later(robot, lambda: context.remark(robot, fiducial), "fiducial")
     return {"id": fiducial}
 
 

@@ -8,9 +8,12 @@ import struct
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+
 from player import DeviceAddr
 from player.codes import Interface
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
+from sim.stage.geometry import outline
 
 COLOR = struct.Struct("<4f")
 TIME = struct.Struct("<Q")
@@ -37,6 +40,9 @@ class Simulation:
         self.robot = robot
         self.members = {robot: None}
         self.full = full
+        self.told: dict[
+            tuple[str, str], tuple[float, bytes]
+        ] = {}  # when, and what, by name and key
         self.addr = DeviceAddr(Interface.SIMULATION, 0)
 
     def admit(self, robot: int, full: bool) -> None:
@@ -86,7 +92,7 @@ class Simulation:
         if name in ("set_pose2d", "set_pose3d"):
             pose = values["pose"]
             goal = (pose[0], pose[1], pose[-1])
-            if not (sane(*goal) and self.inside(goal[0], goal[1])):
+            if not (sane(*goal) and self.fits(target, goal)):
                 raise Refused
             self.later(target, "put", lambda: context.put(target, goal))
             return None
@@ -99,10 +105,16 @@ class Simulation:
             raise Refused
         return robot
 
-    def inside(self, x: float, y: float) -> bool:
-        """Whether a point lies in the world: nothing is put where the world has no place for it."""
-        width, height = self.context.stage.layout.size
-        return 0.0 <= x <= width and 0.0 <= y <= height
+    def fits(self, target: int, pose: tuple[float, float, float]) -> bool:
+        """Whether a robot's body lies in the world at a pose: there is no place outside."""
+        body = self.context.models[target].body
+        if body.shape == "circle":
+            corners = np.array([[-body.radius] * 2, [body.radius] * 2]) + pose[:2]
+        else:
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
+            corners = outline(body) @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
+        least, most = corners.min(axis=0), corners.max(axis=0)
+        return bool((least >= 0).all() and (most <= self.context.stage.layout.size).all())
 
     def get_property(self, values: Values) -> Values:
         key = values["property"]
@@ -112,12 +124,22 @@ class Simulation:
             value = color_bytes(self.context.colors[self.target(values["name"])])
         else:
             properties = self.context.records[self.target(values["name"])].properties
-            if key not in properties:
+            if key not in properties and not self.just_told(values):
                 raise Refused
-            value = json.dumps(properties[key]).encode()
+            value = json.dumps(properties.get(key)).encode()
+        value = self.just_told(values) or value
         # Player's client copies as many bytes as it sent: never give it fewer
         value = value.ljust(len(values["value"]), b"\0")
         return {**values, "value": value}
+
+    def just_told(self, values: Values) -> bytes:
+        """What a client has set since the last tick, which is not carried out yet; else empty.
+
+        Who sets a property and then reads it finds it set. At a shared port that would depend on
+        whose request came first, so there everybody sees what held at the last tick.
+        """
+        time, value = self.told.get((values["name"], values["property"]), (-1.0, b""))
+        return value if time == self.context.time and len(self.members) == 1 else b""
 
     def set_property(self, values: Values) -> None:
         target = self.target(values["name"])
@@ -126,6 +148,7 @@ class Simulation:
             raise Refused
         if key == "color":
             color = parse_color_value(data)
+            self.told[values["name"], key] = (self.context.time, color_bytes(color))
             self.later(target, "color", lambda: self.paint(target, color))
             return
         if len(data) > LONGEST_VALUE or len(key) > LONGEST_KEY:
@@ -135,6 +158,7 @@ class Simulation:
         if key not in names and len(names) >= MOST_PROPERTIES:
             raise Refused
         names.add(key)
+        self.told[values["name"], key] = (self.context.time, json.dumps(value).encode())
         properties = self.context.records[target].properties
         self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
 

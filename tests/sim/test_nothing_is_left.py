@@ -125,7 +125,9 @@ def test_it_is_interrupted_in_the_first_second(start: Callable[..., Run], delay:
     time.sleep(delay)
     os.kill(run.process.pid, signal.SIGINT)
     _, err = run.process.communicate(timeout=20)
-    assert run.process.returncode in (130, -signal.SIGINT)
+    # 1: Python itself was starting, and gives up with this message of its own
+    starting = run.process.returncode == 1 and "Fatal Python error: init" in err
+    assert starting or run.process.returncode in (130, -signal.SIGINT), err
     assert all_gone(run.mark)
     if run.process.returncode == 130:
         assert "Traceback" not in err

@@ -168,9 +168,9 @@ def answer(
 
 
 def example(name: str, kind: Any, robot: str) -> Any:
-    """What a field of a request carries: something sensible, or zeros."""
+    """What a field of a request carries: something sensible."""
     if isinstance(kind, Record):
-        return kind.make(*[0.0] * len(kind.scalars))
+        return kind.make(*[1.0] * len(kind.scalars))
     if isinstance(kind, Octets):
         return bytes(16)  # a colour's four floats
     if isinstance(kind, Text):

@@ -76,8 +76,11 @@ def served_at(robots: Sequence[Robot], ports: Ports) -> dict[Address, tuple[str,
                 twins.append(("ranger", part))
             elif kind == "ranger" and "samples" not in sensor.data:
                 twins.append(("sonar", part))
-        for extra in ("speech", "graphics2d", "simulation"):
-            twins.append((extra, None))
+        if "fiducial" in robot.rest and not any(kind == "fiducial" for kind, _ in devices):
+            devices.append(("fiducial", None))
+        twins += [("speech", None), ("graphics2d", None)]
+        if not counts["simulation"]:  # one at a port
+            twins.append(("simulation", None))
         for interface, part in devices + twins:
             found[Address(port, interface, counts[interface])] = (name, part)
             counts[interface] += 1
