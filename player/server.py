@@ -81,6 +81,12 @@ class Connection:
         """Bytes taken from the session and not yet taken by the socket."""
         return len(self._unsent) if self._unsent is not None else 0
 
+    def flush(self) -> None:
+        """Writes what the session has to say, as far as the socket takes it at once."""
+        if self.is_open:
+            self._server._continue(self)
+            self._server._ready.pop(self, None)
+
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
         if self.is_open:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensors.readings import Elements, Intensities, Scans
+from sensors.readings import Blobs, Elements, Intensities, Scans
 from sensors.suite import Group
+
+BLOBS = struct.Struct(">IIII")
+BLOB = np.dtype(
+    [(name, ">u4") for name in ["id", "color", "area", "x", "y", "left", "right", "top", "bottom"]]
+    + [("range", ">f4")]
+)
 
 
 class Encoder:
@@ -38,12 +46,57 @@ class Encoder:
         return self.data[at : at + self.size]
 
 
+class BlobEncoder:
+    """Encodes the blobs of a group's wanted rows once per tick: blobfinder BLOBS (subtype 1)."""
+
+    def __init__(self, group: Group) -> None:
+        self.group = group
+        self.tick = -1
+        self.counts: list[int] = []
+        self.ends: list[int] = []
+        self.data = b""
+        self.rows: NDArray[Any] = np.zeros(0, np.int64)
+        self.place: dict[int, int] = {}
+
+    def payload(self, row: int, tick: int) -> bytes:
+        """The message of one row of the group."""
+        readings = self.group.readings
+        assert isinstance(readings, Blobs)
+        if tick != self.tick:
+            self.encode(readings)
+            self.tick = tick
+        at = self.place[row]
+        count, end = self.counts[at], self.ends[at]
+        head = BLOBS.pack(readings.width, readings.height, count, count)
+        return head + self.data[end - count * BLOB.itemsize : end]
+
+    def encode(self, readings: Blobs) -> None:
+        """All rows' blobs, one behind the other."""
+        rows = self.group.rows
+        counts = readings.counts[rows]
+        most = int(counts.max(initial=0))
+        held = np.arange(most) < counts[:, None]
+        self.data = readings.blobs[rows, :most][held].astype(BLOB).tobytes()
+        self.counts = counts.tolist()
+        self.ends = (np.cumsum(counts) * BLOB.itemsize).tolist()
+        if not np.array_equal(self.rows, rows):
+            self.rows = rows.copy()
+            self.place = {row: k for k, row in enumerate(rows.tolist())}
+
+
 class Encoders:
     """The encoders of a run, by group and message."""
 
     def __init__(self) -> None:
         self.known: dict[tuple[int, str], Encoder] = {}
+        self.blobs: dict[int, BlobEncoder] = {}
         self.tick = 0
+
+    def blobs_of(self, group: Group) -> BlobEncoder:
+        """The encoder of a group of blobfinders."""
+        if id(group) not in self.blobs:
+            self.blobs[id(group)] = BlobEncoder(group)
+        return self.blobs[id(group)]
 
     def get(self, group: Group, name: str) -> Encoder:
         """The encoder of a group for one kind of message."""
@@ -67,6 +120,7 @@ def encode_scans(group: Group) -> NDArray[Any]:
     return rows
 
 
+@cache
 def scan_type(n: int) -> np.dtype[Any]:
     """The layout of a SCAN of n rays without intensities."""
     return np.dtype(

@@ -46,7 +46,7 @@ def robot_devices(
         elif group.kind == "intensities":
             devices.append(Ranger(context, encoders, robot, slot))
         elif group.kind == "blobs":
-            devices.append(Blobfinder(context, robot, slot))
+            devices.append(Blobfinder(context, encoders, robot, slot))
         elif group.kind == "fiducials":
             devices.append(FiducialFinder(context, robot, slot))
         elif group.kind == "bits":

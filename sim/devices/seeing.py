@@ -13,15 +13,11 @@ from numpy.typing import NDArray
 from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Blobs, Fiducials
+from sim.devices.batch import BLOB, BLOBS, Encoders
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.ranging import SENSOR_SIZE
 
 COUNTS = struct.Struct(">II")
-BLOBS = struct.Struct(">IIII")
-BLOB = np.dtype(
-    [(name, ">u4") for name in ["id", "color", "area", "x", "y", "left", "right", "top", "bottom"]]
-    + [("range", ">f4")]
-)
 FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6)])
 
 MOST_CHANNELS = 32
@@ -80,18 +76,20 @@ class Blobfinder(SensorDevice):
 
     addr = DeviceAddr(Interface.BLOBFINDER, 0)
 
-    def __init__(self, context: Context, robot: int, slot: int) -> None:
+    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
         super().__init__(context, robot, slot)
+        self.encoders = encoders
+        self.encoder = encoders.blobs_of(self.group)
         colors: tuple[int, ...] = getattr(self.group.settings, "colors", ())
         self.channels = {number: exactly(color) for number, color in enumerate(colors)}
         self.told = False
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
+        if not self.told:
+            return ((1, self.encoder.payload(self.row, self.encoders.tick)),)
         readings = self.group.readings
         assert isinstance(readings, Blobs)
-        seen: Any = readings.seen(self.row)
-        if self.told:
-            seen = self.chosen(seen)
+        seen = self.chosen(readings.seen(self.row))
         head = BLOBS.pack(readings.width, readings.height, len(seen), len(seen))
         return ((1, head + seen.astype(BLOB).tobytes()),)
 

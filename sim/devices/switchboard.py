@@ -42,8 +42,8 @@ class Switchboard:
 
     def __init__(self) -> None:
         self.ports: dict[int, Port] = {}  # by the identity of the directory
-        self.subscribers: dict[Device, dict[Connection, DeviceAddr]] = {}
-        self.connections: dict[Connection, None] = {}
+        self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
+        """What each has subscribed, and at which address."""
         self.changed = True  # what is wanted has changed since `wanted` was last read
         self.pauser: tuple[Connection, Simulation] | None = None
 
@@ -65,15 +65,14 @@ class Switchboard:
     def subscribe(self, connection: Connection, addr: DeviceAddr) -> Device:
         """A connection gets a device's data from now on."""
         device = self.port(connection).devices[addr]
-        self.subscribers.setdefault(device, {})[connection] = addr
-        self.connections[connection] = None
+        self.connections.setdefault(connection, {})[device] = addr
         self.changed = True
         return device
 
     def unsubscribe(self, connection: Connection, addr: DeviceAddr) -> Device:
         """A connection does not get a device's data any more."""
         device = self.port(connection).devices[addr]
-        self.subscribers.get(device, {}).pop(connection, None)
+        self.connections.get(connection, {}).pop(device, None)
         self.changed = True
         return device
 
@@ -82,9 +81,6 @@ class Switchboard:
 
         Nobody else may know that the clock was stopped, or be there to let it go on.
         """
-        devices = self.port(connection).devices
-        for addr in connection.session.subscribed:
-            self.subscribers.get(devices[addr], {}).pop(connection, None)
         self.connections.pop(connection, None)
         self.changed = True
         if self.pauser is not None and self.pauser[0] is connection:
@@ -119,15 +115,17 @@ class Switchboard:
 
     def wanted(self) -> list[Device]:
         """The devices that somebody has subscribed."""
-        return [device for device, them in self.subscribers.items() if them]
+        return list(dict.fromkeys(device for have in self.connections.values() for device in have))
 
     def publish(self, time: float) -> None:
-        """Hand one tick's data to every session that has subscribed it."""
-        for device, them in self.subscribers.items():
-            if not them:
-                continue
-            for subtype, payload in device.publish():
-                for connection, addr in them.items():
-                    connection.session.publish(addr, subtype, payload, time)
-        for connection in self.connections:
-            connection.session.end_of_round()
+        """Hand one tick's data to every session that has subscribed it, and let it go out.
+
+        One connection after the other: the first client can work while the others are served.
+        """
+        for connection, devices in self.connections.items():
+            session = connection.session
+            for device, addr in devices.items():
+                for subtype, payload in device.publish():
+                    session.publish(addr, subtype, payload, time)
+            session.end_of_round()
+            connection.flush()

@@ -284,7 +284,7 @@ def test_nothing_is_kept_of_clients_that_have_gone(run: Serving) -> None:
         client.round()
         assert len(engine.server.connections) == 1
         assert len(engine.switchboard.connections) == 1
-        assert sum(len(them) for them in engine.switchboard.subscribers.values()) == 1
+        assert sum(len(have) for have in engine.switchboard.connections.values()) == 1
         assert len(engine.crew.clocks.driven) == 1
         assert all(not driver.origins for driver in engine.crew.drivers)
         # 400 connections have come and gone: had each left its session, of some 2 KB, that were
