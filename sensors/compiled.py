@@ -1,6 +1,7 @@
 """Compiles a kernel with numba and keeps the machine code on disk where that is possible."""
 
 import hashlib
+import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -16,7 +17,8 @@ def forget_stale_code(package: Path) -> None:
     """Remove the compiled kernels of a package folder if one of its sources has changed.
 
     numba compiles a kernel anew when the kernel's own file has changed, but not when the file of
-    a kernel that it calls has: that one would go on living inside of it.
+    a kernel that it calls has: that one would go on living inside of it. The mark is written
+    before there is anything to forget, also where Python itself keeps no compiled code.
     """
     cache = package / "__pycache__"
     sources = sorted(package.glob("*.py"))
@@ -24,12 +26,15 @@ def forget_stale_code(package: Path) -> None:
     text = repr([(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats])
     digest = hashlib.sha256(text.encode()).hexdigest()
     mark = cache / "kernels.sha256"
-    with suppress(OSError):  # no cache in this folder, or none that we may write
+    with suppress(OSError):  # a folder that we may not write: nothing is kept in it
         if mark.exists() and mark.read_text() == digest:
             return
+        cache.mkdir(exist_ok=True)
         for index in cache.glob("*.nbi"):
             index.unlink(missing_ok=True)
-        mark.write_text(digest)
+        draft = cache / f"kernels.{os.getpid()}"
+        draft.write_text(digest)
+        draft.replace(mark)
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:

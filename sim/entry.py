@@ -112,7 +112,7 @@ class Entry:
                 "seed": str(self.seed),
             }
             launch = launch_of(controller, world.controllers, self.loaded.folder, fields)
-            variables = environment(name, self.seed, fields["host"], number)
+            variables = environment(name, self.seed, fields["host"], number, robot + 1)
             if kind == "command":
                 variables["PLAYER_INDEX"] = fields["index"]
             self.crew.launch(driver, launch, variables, port if kind == "program" else None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -47,6 +48,9 @@ def run(
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
 
+    A video that could not be written to its end, for want of room say, is a RuntimeWarning: the
+    result is none the worse for it.
+
     Raises:
         sim.worldfile.WorldError: the world file has mistakes; all of them are in it.
         FileNotFoundError: there is no such world.
@@ -55,7 +59,7 @@ def run(
     """
     from troupe.running import run_file  # noqa: PLC0415 - `import troupe` stays light
 
-    return run_file(
+    done = run_file(
         world,
         seed=seed,
         duration=duration,
@@ -69,3 +73,6 @@ def run(
         video_size=video_size,
         say=say or (lambda line: None),
     )
+    if done.video_error is not None:
+        warnings.warn(done.video_error, RuntimeWarning, stacklevel=2)
+    return done.result

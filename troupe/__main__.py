@@ -14,9 +14,19 @@ if sys.path and sys.path[0] in ("", os.getcwd()) and os.getcwd() != str(ROOT):
 
 def main() -> None:
     """Run the command line."""
+    from troupe.streams import OutputLost, prepare_streams  # noqa: PLC0415
+
+    prepare_streams()
     from troupe.app import app  # noqa: PLC0415
 
-    app(prog_name="troupe")
+    try:
+        try:
+            app(prog_name="troupe")
+        finally:
+            sys.stdout.flush()
+    except OutputLost as error:
+        print(f"standard output: {error}", file=sys.stderr)
+        sys.exit(1)
 
 
 if __name__ == "__main__":

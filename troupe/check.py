@@ -26,13 +26,15 @@ def check(
     Exit code 2 if there is any mistake.
     """
     from sim.worldfile import WorldError, load  # noqa: PLC0415 - `troupe --help` stays quick
+    from troupe.compiling import Compiling  # noqa: PLC0415
     from troupe.worlds import find_world  # noqa: PLC0415
 
     refused = False
     for world in worlds:
         try:
             path = find_world(world)
-            loaded = load(path, settings=settings or ())
+            with Compiling():
+                loaded = load(path, settings=settings or ())
         except WorldError as error:
             print(error, file=sys.stderr)
             refused = True

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from controllers.dispersal.rules import RULES
+from troupe.usage import told
 
 if TYPE_CHECKING:
+    from controllers.dispersal.grid import GridRun, Outcome
     from controllers.dispersal.regions import Cell, Region
 
 # The rest of the package is loaded by the command itself: other commands need no compiler.
@@ -70,24 +72,35 @@ def disperse(
         raise typer.BadParameter(f"{q} is not at least 0 and less than 1", param_hint="--q")
     if at is not None and picture is None:
         raise typer.BadParameter("needs --picture", param_hint="--at")
-    from controllers.dispersal.draw import DrawError, record
-    from controllers.dispersal.grid import GridRun
-    from controllers.dispersal.regions import RegionError
+    from sim.video.errors import VideoError
+    from sim.video.target import check_target
+    from troupe.compiling import Compiling
 
     try:
-        region = _region(map_file, grid, door or [], force)
-        run = GridRun(region, rule, seed=seed, q=q, conflict=conflict)
-        record(run, max_steps=max_steps, picture=picture, at=at, film=video_file)
-    except (RegionError, DrawError) as error:
+        if picture is not None:
+            check_target(picture, ending=".png", what="picture")
+        if video_file is not None:
+            check_target(video_file)
+    except VideoError as error:
         _fail(str(error))
-    except OSError as error:
-        _fail(f"{error.filename}: {error.strerror}")
-    except KeyboardInterrupt:
-        raise typer.Exit(130) from None
-    outcome = run.outcome()
+    with Compiling():
+        run, outcome = _dispersed(
+            map_file,
+            grid,
+            door or [],
+            rule,
+            seed,
+            q,
+            conflict,
+            force,
+            max_steps,
+            picture,
+            at,
+            video_file,
+        )
     result = {
         "map": str(map_file) if map_file else grid,
-        "doors": [list(cell) for cell in region.doors],
+        "doors": [list(cell) for cell in run.region.doors],
         "rule": rule,
         "seed": seed,
         "q": q,
@@ -96,6 +109,38 @@ def disperse(
     }
     print(json.dumps(result) if as_json else _in_words(result))
     raise typer.Exit(0 if outcome.all_settled else 1)
+
+
+def _dispersed(
+    map_file: Path | None,
+    grid: str | None,
+    doors: list[str],
+    rule: str,
+    seed: int,
+    q: float,
+    conflict: str,
+    force: bool,
+    max_steps: int | None,
+    picture: Path | None,
+    at: int | None,
+    video_file: Path | None,
+) -> "tuple[GridRun, Outcome]":
+    """The run when it is over, and what came out of it; what cannot be ends the command."""
+    from controllers.dispersal.draw import DrawError, record
+    from controllers.dispersal.grid import GridRun
+    from controllers.dispersal.regions import RegionError
+
+    try:
+        region = _region(map_file, grid, doors, force)
+        run = GridRun(region, rule, seed=seed, q=q, conflict=conflict)
+        record(run, max_steps=max_steps, picture=picture, at=at, film=video_file)
+    except (RegionError, DrawError) as error:
+        _fail(str(error))
+    except OSError as error:
+        _fail(told(error))
+    except KeyboardInterrupt:
+        raise typer.Exit(130) from None
+    return run, run.outcome()
 
 
 def _in_words(result: dict[str, Any]) -> str:

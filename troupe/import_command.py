@@ -6,12 +6,14 @@ import itertools
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from troupe.stagefile import Converted, Note, StageError, convert
-from troupe.stagefile.notes import HEADINGS
+from troupe.usage import told
+
+if TYPE_CHECKING:
+    from troupe.stagefile import Converted, Note
 
 
 def import_(
@@ -42,12 +44,14 @@ def import_(
     written, but something in it must be mended by hand; 2: the input has a mistake, or a file
     is in the way.
     """
+    from troupe.stagefile import StageError, convert  # noqa: PLC0415 - other commands stay quick
+
     target = output if output is not None else Path(f"{world.stem}.yaml")
     try:
         converted = convert(str(world), None if cfg is None else str(cfg), target)
         write(converted, target, force)
     except (StageError, OSError) as error:
-        print(error, file=sys.stderr)
+        print(told(error) if isinstance(error, OSError) else error, file=sys.stderr)
         raise typer.Exit(2) from None
     mistakes = mistakes_in(target)
     print("\n".join([*report(converted.notes), "", f"{target}: {verdict(target, mistakes)}"]))
@@ -94,6 +98,8 @@ stands for all."""
 
 def report(notes: Sequence[Note]) -> list[str]:
     """The notes as lines under headings."""
+    from troupe.stagefile.notes import HEADINGS  # noqa: PLC0415
+
     lines: list[str] = []
     for kind, group in itertools.groupby(notes, key=lambda note: note.kind):
         lines += [*([""] if lines else []), f"{HEADINGS[kind]}:"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
+import socket
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +12,7 @@ from typing import Annotated
 import typer
 
 from troupe.show import Screen
+from troupe.usage import UsageError, told
 
 
 def run(
@@ -99,12 +101,13 @@ def run_and_print(
     """The exit code of a run; mistakes are told on standard error."""
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
     from sim.video.projection import parse_size  # noqa: PLC0415
+    from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
 
     screen = Screen(quiet)
     try:
         with screen:
-            result = run_file(
+            done = run_file(
                 world,
                 seed=seed,
                 duration=duration,
@@ -119,25 +122,29 @@ def run_and_print(
                 say=screen.say,
                 each_tick=screen.progress,
             )
-    except (VideoError, FileNotFoundError, ValueError) as error:  # WorldError is a ValueError
+    except (UsageError, VideoError, WorldError) as error:
         print(error, file=sys.stderr)
         return 2
-    except OSError as error:
-        print(error.strerror or error, file=sys.stderr)
+    except OSError as error:  # an address that cannot be had, no process to be made
+        named = f"--listen {listen}" if listen is not None else "player.host"
+        print(f"{named}: " * isinstance(error, socket.gaierror) + told(error), file=sys.stderr)
         return 2
+    result = done.result
+    if done.video_error is not None:
+        print(done.video_error, file=sys.stderr)
     if as_json:
         json.dump(result.as_json(), sys.stdout)
         print()
     else:
         from troupe.summary import summary  # noqa: PLC0415
 
-        print(summary(result, video))
-    return result.exit_code
+        print(summary(result, video if done.video_error is None else None))
+    return result.exit_code or int(done.video_error is not None)
 
 
 def parse_listen(text: str) -> tuple[str, int]:
-    """`HOST:PORT`, or a port alone, as (host, port); raises ValueError."""
+    """`HOST:PORT`, or a port alone, as (host, port); raises UsageError."""
     host, _, port = text.rpartition(":")
     if not port.isdecimal() or not 0 <= int(port) <= 65535:
-        raise ValueError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
+        raise UsageError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
     return host.strip("[]") or "127.0.0.1", int(port)

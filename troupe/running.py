@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.fleet.fleet import Fleet
+from troupe.usage import UsageError
 
 if TYPE_CHECKING:
+    from sim.engine import Engine
     from sim.result import Result
 
-EachTick = Callable[[object], None]
+EachTick = Callable[["Engine"], None]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came out of a run; `video_error` says why there is no whole video, where one was due."""
+
+    result: Result
+    video_error: str | None
 
 
 def run_file(
@@ -30,22 +41,32 @@ def run_file(
     video_size: tuple[int, int] | None,
     say: Callable[[str], None],
     each_tick: EachTick | None = None,
-) -> Result:
-    """Run a world file; see `troupe.run`. `each_tick(engine)` is called after every tick."""
+) -> Run:
+    """Run a world file; see `troupe.run`. `each_tick(engine)` is called after every tick.
+
+    Raises UsageError for an argument that cannot be.
+    """
     for name, value in (("duration", duration), ("realtime", realtime), ("patience", patience)):
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise ValueError(f"{name}: must be above 0 (given: {value:g})")
+            raise UsageError(f"{name}: must be above 0 (given: {value:g})")
     if seed is not None and not 0 <= seed < 1 << 63:
-        raise ValueError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
+        raise UsageError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
+    shaped = {"video fps": video_fps, "video speed": video_speed, "video size": video_size}
+    for name, given in shaped.items():
+        if given is not None and video is None:
+            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
     fleet = Fleet(show=say)  # first: it gets ready while we load the rest
     try:
         from sim.engine import Settings  # noqa: PLC0415
         from sim.filming import Film, open_recorder  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from sim.worldfile import load  # noqa: PLC0415
+        from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.worlds import find_world  # noqa: PLC0415
 
-        loaded = load(find_world(str(world)), settings=settings)
+        compiling = Compiling(say)
+        with compiling:
+            loaded = load(find_world(str(world)), settings=settings)
         told = Settings(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,
@@ -64,7 +85,13 @@ def run_file(
     except BaseException:
         fleet.close()
         raise
-    result = run_world(loaded, told, fleet=fleet, film=film, each_tick=each_tick, say=say)
-    if film is not None and film.recorder.error:
-        say(film.recorder.error)
-    return result
+
+    def after_tick(engine: Engine) -> None:
+        if compiling.spans:  # once in a machine's life, and no part of a run's speed
+            engine.began += compiling.after(engine.began)
+        if each_tick is not None:
+            each_tick(engine)
+
+    with compiling:
+        result = run_world(loaded, told, fleet=fleet, film=film, each_tick=after_tick, say=say)
+    return Run(result, None if film is None else film.recorder.error)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich import box
-from rich.console import Console
-from rich.table import Table
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def sensors() -> None:
     """Print the sensors and actuators, their settings, defaults and units."""
-    from pydantic_core import PydanticUndefined  # noqa: PLC0415 - `troupe --help` stays quick
+    from pydantic_core import PydanticUndefined  # noqa: PLC0415 - other commands stay quick
+    from rich.console import Console  # noqa: PLC0415
 
     from sensors.registry import describe  # noqa: PLC0415
     from sim.worldfile.models import Sprayer  # noqa: PLC0415
@@ -34,6 +34,9 @@ def sensors() -> None:
 
 
 def _table(kind: str, name: str, summary: str, settings: list[dict[str, Any]]) -> Table:
+    from rich import box  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
     table = Table(title=f"{kind} {name}: {summary}", box=box.SIMPLE, title_justify="left")
     for heading in ("setting", "default", "unit", "what it is"):
         table.add_column(heading, overflow="fold")

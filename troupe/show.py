@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from time import monotonic
 from types import TracebackType
@@ -9,6 +10,10 @@ from typing import Any, Self
 
 REDRAW = 0.1
 """Wall-clock seconds between two looks at the bar."""
+
+
+CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
+"""What a terminal would obey, or be led astray by, instead of showing it."""
 
 
 class Screen:
@@ -48,9 +53,10 @@ class Screen:
             self.bar.stop()
 
     def say(self, line: str) -> None:
-        """Print a line."""
+        """Print a line, with signs in place of characters that a terminal would obey."""
         if self.quiet:
             return
+        line = shown(line)
         if self.bar is not None:
             self.bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
@@ -79,3 +85,8 @@ class Screen:
             speed=f"{speed:.0f} x real time",
             coverage=painted,
         )
+
+
+def shown(line: str) -> str:
+    """A line with its control characters written out: programs print anything."""
+    return CONTROLS.sub(lambda match: match[0].encode("unicode_escape").decode(), line)

@@ -31,7 +31,7 @@ def summary(result: Result, video: Path | None = None) -> str:
         )
     for door in result.doors:
         last = f", the last at step {door.steps[-1]}" if door.steps else ""
-        lines.append(f"door {door.name}: {door.emitted} robots entered{last}")
+        lines.append(f"door {door.name}: {counted(door.emitted, 'robot')} entered{last}")
     lines.append(result.digest)
     if video is not None:
         lines.append(f"video: {video}")
@@ -44,6 +44,11 @@ def summary(result: Result, video: Path | None = None) -> str:
     return "\n".join(lines)
 
 
+def counted(number: int, what: str) -> str:
+    """`1 stall`, `2 stalls`."""
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
 def robot_line(record: RobotRecord, width: int) -> str:
     """One robot on one line."""
     x, y, _ = record.pose
@@ -53,5 +58,5 @@ def robot_line(record: RobotRecord, width: int) -> str:
     said = f"  {record.said[-1][1]!r}" if record.said else ""
     return (
         f"{record.name:{width}}  {state:12} at ({x:.2f}, {y:.2f})  {record.distance:7.1f} m  "
-        f"{record.contacts} contacts, {record.stalls} stalls{said}"
+        f"{counted(record.contacts, 'contact')}, {counted(record.stalls, 'stall')}{said}"
     )

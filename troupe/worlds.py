@@ -32,11 +32,12 @@ def world_names() -> list[str]:
 def find_world(world: str | Path) -> Path:
     """The file of a world: a path as it stands, or the name of one that comes with Troupe.
 
-    A path that exists goes before a name. Raises WorldError for what is neither.
+    A path that exists goes before a name; it may be a pipe, as /dev/stdin, which `-` stands for.
+    Raises WorldError for what is neither.
     """
     text = str(world)
-    path = Path(world)
-    if path.is_file() or (path.exists() and isinstance(world, Path)):
+    path = Path("/dev/stdin" if text == "-" else world)
+    if path.exists() and (not path.is_dir() or isinstance(world, Path)):
         return path
     folder = worlds_folder()
     if folder is not None and Path(text).name == text and text not in ("", ".", ".."):

@@ -1,7 +1,10 @@
 """Compiled forms of the rules and the other pure functions, for the grid model."""
 
+import hashlib
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numba
@@ -25,6 +28,20 @@ def compile_rule(rule: Rule) -> Any:
     in_a_file = rule.__code__.co_filename[:1] != "<"  # numba keeps its cache beside the source
     kept = in_a_file and rule.__closure__ is None
     return numba.cfunc(RULE_SIGNATURE, cache=kept)(rule)
+
+
+def keyed(function: Callable[..., Any], *sources: ModuleType) -> Callable[..., Any]:
+    """`function`, to be compiled anew when one of the modules has changed that it draws upon.
+
+    numba sees for itself when the function's own file has changed, but code and constants from
+    other files live on inside of what it keeps. Its files bear the function's qualified name, so
+    that name gets a digest of the sources.
+    """
+    digest = hashlib.sha256()
+    for module in sources:
+        digest.update(Path(str(module.__file__)).read_bytes())
+    function.__qualname__ = f"{function.__name__}_{digest.hexdigest()[:16]}"
+    return function
 
 
 draw: Any = numba.njit(numba.int64(numba.int64, numba.int64, numba.int64, numba.int64), cache=True)(

@@ -57,7 +57,15 @@ def parse() -> argparse.Namespace:
         help="turn to where it goes, as a differential drive must",
     )  # fmt: skip
     options.add_argument("--q", type=float, default=0.0, help="probability to miss a step")
-    return options.parse_args()
+    options.add_argument(
+        "--number", type=int, default=os.environ.get("TROUPE_NUMBER"),
+        help="the robot's place in the order of entry, from 1: chance depends on it "
+        "(default: TROUPE_NUMBER, which Troupe tells its programs)",
+    )  # fmt: skip
+    args = options.parse_args()
+    if args.number is None and (args.q > 0 or SENSES.get(args.rule, 0) & DICE):
+        options.error("with chance in it, --number (or TROUPE_NUMBER) must be given")
+    return args
 
 
 class Disperser:
@@ -75,7 +83,7 @@ class Disperser:
             self.cameras = [BlobfinderProxy(robot, 0), BlobfinderProxy(robot, 1)]
         self.speech = SpeechProxy(robot)
         self.simulation = SimulationProxy(robot)
-        self.number = int("0" + robot.name[len(robot.name.rstrip("0123456789")) :])
+        self.number: int = args.number or 0
         self.run_seed = int(os.environ.get("TROUPE_SEED", "0"))
         self.state = 0
         self.travel = 0

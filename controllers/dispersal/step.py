@@ -13,8 +13,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal import chance, rules
-from controllers.dispersal.compiled import RULE_TYPE, draw
+from controllers.dispersal import chance, compiled, rules
+from controllers.dispersal.compiled import RULE_TYPE, draw, keyed
 
 FREE = 0
 STANDING = 1
@@ -213,5 +213,5 @@ advance: Any = numba.njit(
         *(_int, _int, _int, _int, _int, _int),
     ),
     cache=True,
-)(_advance)
+)(keyed(_advance, chance, compiled, rules))
 """`_advance`, compiled for every rule at once: the rule is a function value."""

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from sim.fleet.forkserver import framed, hold_standard_descriptors, kill_group
 from sim.fleet.output import Output
 
 Watch = Callable[[Any, Callable[[], None]], None]
@@ -47,6 +48,7 @@ class Fleet:
 
     def __init__(self, show: Callable[[str], None] | None = None) -> None:
         raise_descriptor_limit()
+        hold_standard_descriptors()
         self.show = show
         self.ended: dict[int, int] = {}
         self.pids: dict[int, int] = {}
@@ -89,10 +91,15 @@ class Fleet:
         environment: Mapping[str, str],
         connection: socket.socket | None,
     ) -> None:
-        """Start the process of controller `key`; `connection` becomes its PLAYER_FD."""
+        """Start the process of controller `key`; `connection` becomes its PLAYER_FD.
+
+        Where the fork server has died, the controller counts as killed at once.
+        """
         read_end, write_end = os.pipe()
         output = Output(read_end, name, self.show)
         self.outputs[key] = output
+        if self.watch is not None:
+            self.watch(read_end, lambda: self.read_output(output))
         descriptors = [write_end] + ([connection.fileno()] if connection else [])
         message = {
             "op": "start",
@@ -111,20 +118,21 @@ class Fleet:
             os.close(write_end)
             if connection is not None:
                 connection.close()
-        if self.watch is not None:
-            self.watch(read_end, lambda: self.read_output(output))
+        if self.lost and key in self.starting:
+            self.end(key, -signal.SIGKILL)
 
     def send(self, message: dict[str, Any], descriptors: list[int]) -> None:
-        text = json.dumps(message).encode()
-        data = struct.pack(">I", len(text)) + text
-        self.control.setblocking(True)
+        """Ask the fork server for something, unless it has died."""
+        if self.lost:
+            return
+        data = framed(message)
         try:
+            self.control.setblocking(True)
             sent = socket.send_fds(self.control, [data], descriptors) if descriptors else 0
             self.control.sendall(data[sent:])
+            self.control.setblocking(False)
         except OSError:
             self.lose()
-        finally:
-            self.control.setblocking(False)
 
     def read(self) -> None:
         """Take the fork server's news."""
@@ -190,8 +198,7 @@ class Fleet:
 
     def kill(self, key: int) -> None:
         """End controller `key` and what it has started."""
-        if not self.lost:
-            self.send({"op": "kill", "id": key}, [])
+        self.send({"op": "kill", "id": key}, [])
 
     def close(self) -> None:
         """End whatever still runs; afterwards no process of the fleet is left."""
@@ -212,13 +219,6 @@ class Fleet:
             for pid in self.pids.values():
                 kill_group(pid)
         self.pids.clear()
-
-
-def kill_group(pid: int) -> None:
-    """Kill a process and its group."""
-    for kill in (os.killpg, os.kill):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            kill(pid, signal.SIGKILL)
 
 
 def raise_descriptor_limit() -> None:

@@ -2,23 +2,28 @@
 
 It is run as a script by exec, so it never shares a thread or a lock with the simulator. It loads
 numpy and `player` once, and nothing of the simulator; a child that it forks therefore starts within
-milliseconds. The simulator asks through a socket (its number is the only argument): each message is
-a length (4 bytes, big-endian) and JSON, with the child's socket and output pipe as file descriptors
-beside it.
+milliseconds. Its two arguments are the number of the socket that the simulator asks through, and
+the folder that holds our packages. Each message on the socket, either way, is a length (4 bytes,
+big-endian) and JSON; with a start come the child's output pipe and socket as file descriptors.
 
     start  {"op": "start", "id": 3, "kind": "module"|"script"|"exec", "target": ..., "argv": [...],
-            "env": {...}, "root": ...} + descriptors [output] or [output, connection]
+            "env": {...}, "root": ..., "descriptors": 1|2} + [output] or [output, connection]
     kill   {"op": "kill", "id": 3}
 
-It answers `{"op": "ended", "id": 3, "code": 0}` when a child's process has ended (a negative code
-is a signal's number). When the simulator goes away, however it dies, the socket reaches its end,
-and the fork server kills every child and all that the children started, and ends.
+It answers, for every start,
+
+    started  {"op": "started", "id": 3, "pid": 4711}   the child is there, as process 4711
+    ended    {"op": "ended", "id": 3, "code": 0}       its process has ended; a negative code is
+                                                       a signal's number
+
+or `ended` alone where no process could be made. When the simulator goes away, however it dies, the
+socket reaches its end, and the fork server kills every child and all that the children started,
+and ends.
 """
 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import gc
 import json
 import os
@@ -36,6 +41,8 @@ PR_SET_CHILD_SUBREAPER = 36
 def prctl(option: int, value: int) -> None:
     """Linux's prctl(2); does nothing elsewhere."""
     if sys.platform == "linux":
+        import ctypes  # noqa: PLC0415 - the simulator imports this module, and needs it not
+
         with contextlib.suppress(OSError, AttributeError):
             ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)
 
@@ -136,8 +143,9 @@ class ForkServer:
             os.dup2(silence, 0)
             os.dup2(passed[0], 1)
             os.dup2(passed[0], 2)
-            os.close(silence)
-            os.close(passed[0])
+            for descriptor in (silence, passed[0]):
+                if descriptor > 2:
+                    os.close(descriptor)
             signal.signal(signal.SIGINT, signal.default_int_handler)
             os.environ.update(message["env"])
             if len(passed) > 1:
@@ -171,8 +179,7 @@ class ForkServer:
                 self.say({"op": "ended", "id": number, "code": os.waitstatus_to_exitcode(status)})
 
     def say(self, message: dict[str, Any]) -> None:
-        text = json.dumps(message).encode()
-        self.outbox += struct.pack(">I", len(text)) + text
+        self.outbox += framed(message)
         self.write()
 
     def write(self) -> None:
@@ -200,6 +207,25 @@ class ForkServer:
                 os.waitpid(-1, 0)
 
 
+def framed(message: dict[str, Any]) -> bytes:
+    """A message as it goes over the socket."""
+    text = json.dumps(message).encode()
+    return struct.pack(">I", len(text)) + text
+
+
+def hold_standard_descriptors() -> None:
+    """Open /dev/null in place of whichever of the descriptors 0, 1 and 2 is closed.
+
+    Otherwise the next file or socket would become somebody's standard output.
+    """
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)  # the lowest number that is free
+            os.set_inheritable(opened, True)
+
+
 def kill_group(pid: int) -> None:
     """Kill a process and its group."""
     for kill in (os.killpg, os.kill):
@@ -221,7 +247,6 @@ def run_program(message: dict[str, Any]) -> int:
     import atexit  # noqa: PLC0415
     import runpy  # noqa: PLC0415
     import threading  # noqa: PLC0415
-    import traceback  # noqa: PLC0415
 
     from player import PlayerDisconnected  # noqa: PLC0415
 
@@ -233,7 +258,7 @@ def run_program(message: dict[str, Any]) -> int:
         try:
             os.execvp(target, [target, *argv])
         except OSError as error:
-            print(f"cannot run {target}: {error.strerror}", file=sys.stderr)
+            print(f"cannot run {target}: {error.strerror or error}", file=sys.stderr)
             return 127
     code = 0
     try:
@@ -256,12 +281,7 @@ def run_program(message: dict[str, Any]) -> int:
         print(error, file=sys.stderr)
         code = 1
     except BaseException as error:
-        # what runpy and this file add to a traceback is of no use to its reader
-        frames = traceback.extract_tb(error.__traceback__)
-        keep = [f for f in frames if f.filename != __file__ and "runpy" not in f.filename]
-        print("Traceback (most recent call last):", file=sys.stderr)
-        sys.stderr.write("".join(traceback.format_list(keep)))
-        sys.stderr.write("".join(traceback.format_exception_only(error)))
+        print(own_traceback(error), end="", file=sys.stderr)
         code = 1
     with contextlib.suppress(BaseException):
         threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, as an exit does
@@ -269,8 +289,23 @@ def run_program(message: dict[str, Any]) -> int:
     return code
 
 
+def own_traceback(error: BaseException) -> str:
+    """A program's traceback with its causes, without the frames of those that have run it."""
+    import runpy  # noqa: PLC0415
+    import traceback  # noqa: PLC0415
+
+    runners = {run_program.__code__.co_filename, runpy.run_path.__code__.co_filename}
+    told = traceback.TracebackException.from_exception(error)
+    ours = 0  # those at the top only: a program may use runpy itself
+    while ours < len(told.stack) and told.stack[ours].filename in runners:
+        ours += 1
+    del told.stack[:ours]
+    return "".join(told.format())
+
+
 def main() -> None:
     """Serve on the socket whose descriptor is the first argument."""
+    hold_standard_descriptors()
     control = socket.socket(fileno=int(sys.argv[1]))
     prctl(PR_SET_CHILD_SUBREAPER, 1)
     if hasattr(os, "SCHED_BATCH"):

@@ -58,14 +58,21 @@ def robot_seed(seed: int, name: str) -> int:
     return (seed * 0x9E3779B97F4A7C15 + zlib.crc32(name.encode())) % (1 << 63)
 
 
-def environment(name: str, seed: int, host: str, port: int | None) -> dict[str, str]:
-    """The variables by which a client finds its robot and its seed."""
+def environment(
+    name: str, seed: int, host: str, port: int | None, number: int | None = None
+) -> dict[str, str]:
+    """The variables by which a client finds its robot and its seed.
+
+    `number` is the robot's place in the order of entry, counted from 1 over the whole world.
+    """
     variables = {
         "PLAYER_ROBOT": name,
         "PLAYER_INDEX": "0",
         "PLAYER_SEED": str(robot_seed(seed, name)),
         "TROUPE_SEED": str(seed),
     }
+    if number is not None:
+        variables["TROUPE_NUMBER"] = str(number)
     if port is not None:
         variables |= {"PLAYER_HOST": host, "PLAYER_PORT": str(port)}
     return variables

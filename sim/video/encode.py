@@ -112,6 +112,8 @@ class H264Encoder:
         self._sink.check()
         if self._index == 0:
             self._path.unlink(missing_ok=True)
+        elif not self._path.exists():
+            raise VideoError("the file was removed while it was written")
         elif self._path.is_file():
             # Where no second file can be made, for want of room or of rights, the pieces stay:
             # they are complete, and play too.

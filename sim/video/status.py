@@ -40,7 +40,7 @@ class StatusLine:
         """Writes the entries of a view onto a copy of the still part, as many as there is room."""
         x = MARGIN
         for number, (text, longest) in enumerate(status_entries(view, robots)):
-            width = max(text_width(longest), text_width(text) if number else 0)
+            width = max(text_width(longest), text_width(text))
             if number and x + width + GAP > self._end:
                 break
             draw_text(strip, text, (x, BASELINE), SOFT_INK if number else INK)

@@ -93,7 +93,7 @@ class FileSet:
             if self.reads > MOST_FILES:
                 self._refuse(asked, path, f"more than {MOST_FILES} files are included")
                 break
-            included = self.read(path.parent / name, asked)
+            included = self.read((path.parent if path.is_file() else folder_of(path)) / name, asked)
             if included is not None:
                 below = nodes.merged(below, included)
         assert isinstance(below, MappingNode)
@@ -143,6 +143,13 @@ class FileSet:
         self.mistakes.append(Mistake(where, what, given, allowed, *mark))
 
 
+def folder_of(path: Path) -> Path:
+    """Where relative names in a world file start: its folder; the current one for a pipe."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        return Path.cwd()
+    return path.resolve().parent
+
+
 def _beside(path: Path) -> str:
     """What a reader may have meant instead of a file that is not there."""
     try:
@@ -167,7 +174,7 @@ def rebased(data: dict[str, Any], root: Node, folder: Path) -> dict[str, Any]:
         if mark.line is None:
             here = Path.cwd() / value
             return str(here) if not (folder / value).exists() and here.exists() else value
-        home = Path(mark.file).resolve().parent
+        home = folder_of(Path(mark.file))
         return value if home == folder else str(home / value)
 
     def changed(value: Any, where: nodes.Path, key: str) -> Any:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim.worldfile import nodes
 from sim.worldfile.crowds import crowd_mistakes
 from sim.worldfile.extents import period_mistakes, port_mistakes, size_mistakes
-from sim.worldfile.files import FileSet, rebased
+from sim.worldfile.files import FileSet, folder_of, rebased
 from sim.worldfile.mistakes import Mistake, WorldError
 from sim.worldfile.nodes import MappingNode
 from sim.worldfile.references import reference_mistakes
@@ -89,7 +89,7 @@ def _checked(
     Where a file that it includes could not be read (`complete` is false), what is missing may
     stand there: then only what does stand in the others is looked at.
     """
-    folder = path.resolve().parent
+    folder = folder_of(path)
     data = rebased(nodes.plain(root), root, folder)
     ready, mistakes, wrong = with_settings(data, folder)
     found = salvage(ready, mistakes, wrong)
@@ -107,24 +107,38 @@ def _checked(
     if not found.lost("clock"):
         late = period_mistakes(world)
         mistakes += [replace(one, where=_in_list(found, one.where)) for one in late]
-    if found.lost("size") or found.lost("map"):
+    if found.lost("map"):
         return None, mistakes
-    layout, start, more = _laid_out(world, path, robots)
+    if found.lost("size"):
+        return None, mistakes + _map_mistakes(world, folder)
+    layout, start, more = _laid_out(world, folder, robots)
     mistakes += [replace(one, where=_in_list(found, one.where)) for one in more]
     if layout is None or start is None:
         return None, mistakes
     return LoadedWorld(world, path, folder, layout, robots, start, root), mistakes
 
 
+def _map_mistakes(world: World, folder: Path) -> list[Mistake]:
+    """What is wrong with the map, and with doors in it, whatever the world's size may be."""
+    from sim.stage.layout import build_layout  # noqa: PLC0415
+
+    if world.map is not None:
+        try:
+            build_layout(world.model_copy(update={"size": None}), folder)
+        except WorldError as error:
+            return error.mistakes
+    return []
+
+
 def _laid_out(
-    world: World, path: Path, robots: Sequence[RobotSpec]
+    world: World, folder: Path, robots: Sequence[RobotSpec]
 ) -> tuple[Layout | None, NDArray[np.float64] | None, list[Mistake]]:
     """The layout and the robots' places in it, each or None, and what is wrong with them."""
     from sim.stage.layout import build_layout  # noqa: PLC0415
     from sim.stage.placement import check_start, place  # noqa: PLC0415
 
     try:
-        layout = build_layout(world, path.parent)
+        layout = build_layout(world, folder)
     except WorldError as error:
         return None, None, error.mistakes
     mistakes = size_mistakes(world, layout.size)

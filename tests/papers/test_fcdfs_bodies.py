@@ -6,13 +6,17 @@ import math
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 import troupe
 from controllers.dispersal.generators import random_region
 from controllers.dispersal.grid import Outcome, simulate
 from controllers.dispersal.regions import Region, load
+from sim.engine import Engine, Settings
 from sim.result import Result
+from sim.run import run_world
+from sim.worldfile import load as load_world
 from tests.processes import ROOT
 
 WORLDS = ROOT / "worlds"
@@ -45,7 +49,10 @@ def bits(grid: Outcome) -> list[str]:
     return [f"{state & 31:05b}" for state in grid.state.tolist()]
 
 
-@pytest.mark.parametrize("name", ["corridor", "maze", "corridor_differential"])
+@pytest.mark.parametrize(
+    "name",
+    ["corridor", "maze", "rooms", "spiral", "corridor_differential", "rooms_differential"],
+)
 def test_bodies_move_as_the_grid_model_says(name: str) -> None:
     region = load(WORLDS / "maps" / f"{name.partition('_')[0]}.txt")
     grid = simulate(region, "fcdfs5")
@@ -55,6 +62,27 @@ def test_bodies_move_as_the_grid_model_says(name: str) -> None:
     assert result.doors[0].steps == [2 * k + 1 for k in range(grid.cells)]
     assert [record.properties["travel"] for record in result.robots] == grid.travel.tolist()
     assert sum(grid.travel.tolist()) == grid.sum_of_distances
+
+
+def test_no_more_processes_are_alive_than_there_are_active_robots() -> None:
+    """A robot's process ends when the robot settles; besides them there is the fork server."""
+    counts = []
+
+    def count(engine: Engine) -> None:
+        if engine.ticks % 10 == 0:
+            alive = [
+                child
+                for child in psutil.Process().children(recursive=True)
+                if child.status() != psutil.STATUS_ZOMBIE
+            ]
+            active = sum(driver.running for driver in engine.crew.drivers)
+            counts.append((len(alive), active))
+
+    loaded = load_world(WORLDS / "fcdfs_corridor.yaml")
+    before = len(psutil.Process().children(recursive=True))
+    run_world(loaded, Settings(seed=1, duration=loaded.world.duration), each_tick=count)
+    assert all(alive - before - 1 <= active for alive, active in counts)
+    assert max(active for _, active in counts) > 3
 
 
 @pytest.mark.parametrize("kind", ["grown", "eroded", "branching", "maze", "rooms"])
@@ -75,13 +103,15 @@ def test_other_rules_drive_bodies_too(rule: str) -> None:
     agree(result, region, simulate(region, rule, seed=result.seed))
 
 
-def test_robots_that_miss_steps_cover_everything_by_the_light(tmp_path: Path) -> None:
-    region = load(WORLDS / "maps" / "corridor.txt")
+@pytest.mark.parametrize(("name", "q"), [("corridor", 0.2), ("rooms", 0.1)])
+def test_robots_that_miss_steps_cover_everything_by_the_light(name: str, q: float) -> None:
+    map_file = WORLDS / "maps" / f"{name}.txt"
     result = troupe.run(
         WORLDS / "fcdfs_async.yaml",
-        settings=[f"map.file={WORLDS / 'maps' / 'corridor.txt'}", "controllers.fcdfs.args.q=0.2"],
+        settings=[f"map.file={map_file}", f"controllers.fcdfs.args.q={q}"],
     )
-    grid = simulate(region, "light", seed=result.seed, q=0.2)
+    region = load(map_file)
+    grid = simulate(region, "light", seed=result.seed, q=q)
     agree(result, region, grid)
     assert {record.properties["color"] for record in result.robots} == {"#0000ff"}
     assert sum(grid.moves.tolist()) == grid.sum_of_distances

@@ -35,9 +35,38 @@ def test_compiled_code_is_forgotten_when_any_source_of_the_package_changes(tmp_p
     assert not (cache / "one.nbi").exists()
 
 
-def test_a_folder_without_a_cache_is_left_alone(tmp_path):
+def test_the_cache_of_a_first_run_is_kept_where_python_itself_makes_no_cache(tmp_path):
+    """As under PYTHONDONTWRITEBYTECODE: numba makes the folder after we have looked for it."""
+    (tmp_path / "one.py").write_text("x = 1")
     forget_stale_code(tmp_path)
-    assert list(tmp_path.iterdir()) == []
+    cache = tmp_path / "__pycache__"
+    cache.mkdir(exist_ok=True)  # as numba does
+    (cache / "one.nbi").write_text("index")
+    forget_stale_code(tmp_path)
+    assert (cache / "one.nbi").exists()
+
+
+def test_the_mark_is_never_seen_half_written(tmp_path, monkeypatch):
+    """It is written under another name; what cannot be put in its place changes nothing."""
+    source = tmp_path / "one.py"
+    source.write_text("x = 1")
+    forget_stale_code(tmp_path)
+    mark = tmp_path / "__pycache__" / "kernels.sha256"
+    before = mark.read_text()
+    source.write_text("x = 12")
+
+    def refuse(self, target):
+        raise OSError("no")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    forget_stale_code(tmp_path)
+    assert mark.read_text() == before
+
+
+def test_a_folder_that_cannot_be_written_is_left_alone(tmp_path):
+    (tmp_path / "__pycache__").write_text("a file, where a folder should be")
+    forget_stale_code(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["__pycache__"]
 
 
 def test_one_machine_code_serves_all_calls():

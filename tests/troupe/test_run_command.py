@@ -7,8 +7,13 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import typer
 
+import troupe as package
+from sim.result import RobotRecord
 from tests.processes import environment, troupe_command
+from troupe.run_command import run
+from troupe.summary import robot_line
 
 
 def troupe(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -78,7 +83,14 @@ def test_quiet_says_nothing_but_the_result(tmp_path: Path) -> None:
         (["run", "wander", "--video", "run.avi"], ".mp4"),
         (["run", "wander", "--video", "/no/such/folder/run.mp4"], "/no/such/folder"),
         (["run", "wander", "--video", "x.mp4", "--video-size", "big"], "640x840"),
+        (["run", "wander", "--video-fps", "9"], "there is no video"),
+        (["run", "wander", "--video-speed", "9"], "there is no video"),
+        (["run", "wander", "--video-size", "64x64"], "there is no video"),
         (["run", "wander", "--listen", "6665x"], "HOST:PORT"),
+        (["run", "wander", "--listen", "nowhere.invalid:0"], "nowhere.invalid"),
+        (["disperse", "--grid", "3x3", "--door", "1,1", "--picture", "x.foo"], ".png, not in .foo"),
+        (["disperse", "--grid", "3x3", "--door", "1,1", "--video", "a.avi"], ".mp4, not in .avi"),
+        (["disperse", "nowhere.txt"], "nowhere.txt: No such file"),
         (["run", "wander", "--patience", "0"], "patience"),
         (["run"], "WORLD"),
         (["walk"], "walk"),
@@ -105,3 +117,67 @@ def test_help_tells_every_command() -> None:
     assert done.returncode == 0
     for command in ("run", "check", "schema", "sensors", "disperse"):
         assert command in done.stdout
+
+
+@pytest.mark.parametrize("removed", [False, True])
+def test_a_video_that_cannot_be_written_is_told_and_ends_with_1(
+    tmp_path: Path, removed: bool
+) -> None:
+    folder = tmp_path / "videos"
+    folder.mkdir()
+    video = folder / "run.mp4"
+    if not removed:
+        video.symlink_to("/dev/full")
+    (tmp_path / "mine.py").write_text(
+        "import shutil\nfrom player import PlayerClient, Position2dProxy\n"
+        "with PlayerClient() as robot:\n"
+        "    base = Position2dProxy(robot)\n"
+        "    while robot.read():\n"
+        f"        if {removed} and robot.time > 0.5:\n"
+        f"            shutil.rmtree({str(folder)!r}, ignore_errors=True)\n"
+    )
+    (tmp_path / "w.yaml").write_text(
+        "size: [5, 5]\nduration: 1\nuntil: duration\n"
+        "models: {r: {body: {shape: circle, radius: 0.3}}}\n"
+        "robots: [{model: r, pose: [2, 2, 0], controller: mine}]\n"
+        "controllers: {mine: {program: ./mine.py}}\n"
+    )
+    words = ["run", str(tmp_path / "w.yaml"), "--quiet", "--video", str(video)]
+    for more in ([], ["--json"]):
+        folder.mkdir(exist_ok=True)
+        done = troupe(*words, *more)
+        assert done.returncode == 1
+        assert done.stderr.startswith(f"{video}: the video ends early: "), done.stderr
+        assert done.stderr.count("\n") == 1
+        assert "video:" not in done.stdout
+        assert "sha256:" in done.stdout
+    assert json.loads(done.stdout)["outcome"] == "completed"
+
+
+def test_a_notebook_is_warned_of_a_video_that_ends_early(tmp_path: Path) -> None:
+    video = tmp_path / "run.mp4"
+    video.symlink_to("/dev/full")
+    with pytest.warns(RuntimeWarning, match="the video ends early: No space left"):
+        assert package.run("wander", duration=0.5, video=video).outcome == "completed"
+
+
+def test_a_mistake_of_ours_is_not_taken_for_bad_usage(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(*words: object, **more: object) -> None:
+        raise ValueError("operands could not be broadcast together")
+
+    monkeypatch.setattr("sim.run.run_world", broken)
+    with pytest.raises(ValueError, match="broadcast"):
+        run("wander", duration=0.1)
+    with pytest.raises(typer.Exit) as ended:
+        run("wander", duration=-0.1)
+    assert ended.value.exit_code == 2
+    assert "duration" in capsys.readouterr().err
+
+
+def test_one_of_a_thing_is_not_called_many() -> None:
+    record = RobotRecord("r", "m", 0.0, (0, 0, 0), (0, 0, 0), "finished", contacts=1, stalls=2)
+    assert "1 contact, 2 stalls" in robot_line(record, 1)
+    record.contacts, record.stalls = 2, 1
+    assert "2 contacts, 1 stall" in robot_line(record, 1)

@@ -1,0 +1,86 @@
+"""The fork server is killed: whoever was driven by its processes has failed, and the run ends."""
+
+from __future__ import annotations
+
+import signal
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from sim.engine import Engine, Settings
+from sim.fleet.fleet import Fleet, Launch
+from sim.run import run_world
+from sim.worldfile import load
+
+WORLDS = Path(__file__).resolve().parents[2] / "worlds"
+KILL_AT = 113  # 22.6 s: the third robot has left the door's cell, the next is to enter at 28 s
+
+
+@pytest.fixture
+def fleet() -> Iterator[Fleet]:
+    fleet = Fleet()
+    yield fleet
+    fleet.close()
+
+
+def lose(fleet: Fleet) -> None:
+    fleet.process.kill()
+    fleet.process.wait()
+
+
+def nothing(key: int) -> Launch:
+    return Launch("module", "controllers.wander")
+
+
+@pytest.mark.parametrize("noticed", [False, True])
+def test_a_controller_that_is_started_too_late_counts_as_killed(
+    fleet: Fleet, noticed: bool
+) -> None:
+    watched: dict[object, object] = {}
+    fleet.attach(watched.__setitem__, watched.pop)
+    lose(fleet)
+    if noticed:
+        fleet.read()
+        assert fleet.lost
+    ours, theirs = socket.socketpair()
+    fleet.start(4, "late", nothing(4), {}, theirs)
+    assert fleet.take_ended() == {4: -signal.SIGKILL}
+    assert fleet.outputs[4].last_lines() == ""
+    assert ours.recv(1) == b""  # its connection is closed, so nobody waits for it
+    assert watched == {}
+    ours.close()
+    fleet.kill(4)  # asks nobody for anything
+
+
+def test_a_world_with_a_door_ends_by_itself_with_every_robot_named() -> None:
+    loaded = load(WORLDS / "fcdfs_corridor.yaml")
+    lines: list[str] = []
+    started: list[int] = []
+    before = len(psutil.Process().children(recursive=True))
+
+    def kill(engine: Engine) -> None:
+        if engine.ticks == KILL_AT:
+            started.extend(engine.fleet.pids.values())
+            lose(engine.fleet)
+
+    result = run_world(
+        loaded,
+        Settings(seed=1, duration=loaded.world.duration),
+        each_tick=kill,
+        say=lines.append,
+    )
+    assert len(started) >= 2
+    assert result.outcome == "controller_failed"
+    assert result.sim_time == pytest.approx(28.0)  # the fourth is killed in the door's cell
+    assert len(result.robots) == result.doors[0].emitted > len(started)
+    for record in result.robots:
+        assert (record.state, record.exit_code) == ("failed", -signal.SIGKILL)
+        assert "the fork server has died" in (record.error or "")
+        assert any(line.startswith(f"{record.name}: failed") for line in lines)
+    gone = [pid for pid in started if not psutil.pid_exists(pid)]
+    gone += [p for p in started if p not in gone and psutil.Process(p).status() == "zombie"]
+    assert gone == started
+    assert len(psutil.Process().children(recursive=True)) == before

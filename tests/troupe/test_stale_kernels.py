@@ -1,0 +1,51 @@
+"""A compiled kernel follows the sources that it draws upon, not only its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.processes import environment
+
+KERNEL = """\
+import constants
+import numba
+from controllers.dispersal.compiled import keyed
+
+
+def price(x):
+    return x * constants.FACTOR
+
+
+price = numba.njit(numba.int64(numba.int64), cache=True)(keyed(price, constants))
+print(price(7), sum(price.stats.cache_hits.values()))
+"""
+
+
+def test_a_kernel_is_compiled_anew_when_a_constant_of_another_file_has_changed(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "kernel.py").write_text(KERNEL)
+    found = []
+    for factor in (2, 2, 3):
+        (tmp_path / "constants.py").write_text(f"FACTOR = {factor}\n")
+        done = subprocess.run(
+            [sys.executable, "kernel.py"],
+            env=environment(PYTHONDONTWRITEBYTECODE="1"),
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        found.append(done.stdout.split())
+    assert found == [["14", "0"], ["14", "1"], ["21", "0"]]  # the result, and hits of the cache
+
+
+def test_the_grids_step_goes_by_the_rules_and_by_chance() -> None:
+    from controllers.dispersal import chance, compiled, rules, step  # noqa: PLC0415
+
+    name = step.advance.py_func.__qualname__
+    assert name == compiled.keyed(lambda: None, chance, compiled, rules).__qualname__.replace(
+        "<lambda>", "_advance"
+    )

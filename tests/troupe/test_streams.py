@@ -1,0 +1,84 @@
+"""Standard output and error: what goes wrong with them, and what must not reach a terminal."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.processes import environment
+from troupe.show import Screen, shown
+
+World = Callable[..., Path]
+
+
+def shell(command: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {command.replace('troupe', '$0 -m troupe')}",
+         sys.executable],
+        env=environment(**variables), capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("command", "reason"),
+    [
+        ("troupe run wander --duration 0.3 >/dev/full", "No space left on device"),
+        ("troupe run wander --duration 0.3 --json >/dev/full", "No space left on device"),
+        ("troupe schema >/dev/full", "No space left on device"),  # longer than a buffer
+        ("troupe sensors >/dev/full", "No space left on device"),
+        ("troupe schema | true", "Broken pipe"),
+        ("troupe --help >/dev/full", "No space left on device"),
+    ],
+)
+def test_output_that_cannot_be_written_is_one_line_and_exit_code_1(
+    command: str, reason: str
+) -> None:
+    done = shell(command)
+    assert done.returncode == 1
+    assert done.stderr == f"standard output: {reason}\n"
+
+
+def test_standard_error_that_cannot_be_written_harms_nothing() -> None:
+    done = shell("troupe check wander nowhere 2>/dev/full")
+    assert done.returncode == 2
+    assert "wander.yaml: ok" in done.stdout
+
+
+def test_a_name_that_the_terminal_cannot_show_is_written_out(tmp_path: Path) -> None:
+    path = tmp_path / "w\u00f6rld.yaml"
+    path.write_text("size: [5, 5]\n")
+    done = shell(f"troupe check {path}", PYTHONIOENCODING="ascii")
+    assert done.returncode == 0, done.stderr
+    assert "w\\xf6rld.yaml: ok" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("line", "safe"),
+    [
+        ("\x1b[2J\x1b]0;title\x07gone", "\\x1b[2J\\x1b]0;title\\x07gone"),
+        ("50 %\r100 %", "50 %\\r100 %"),
+        ("\x9b31mred", "\\x9b31mred"),
+        ("\u202eesrever", "\\u202eesrever"),
+        ("tab\tand é, 一, 🤖 stay", "tab\tand é, 一, 🤖 stay"),
+    ],
+)
+def test_what_a_terminal_would_obey_is_shown_as_text(line: str, safe: str) -> None:
+    assert shown(line) == safe
+
+
+def test_a_controllers_escape_codes_do_not_reach_the_terminal(
+    world_with: World, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import troupe  # noqa: PLC0415
+
+    screen = Screen(quiet=False)
+    path = world_with("print(chr(27) + '[31mred')\nraise SystemExit(chr(27) + 'c')")
+    result = troupe.run(path, duration=0.2, say=screen.say)
+    told = capsys.readouterr().err
+    assert "[one] \\x1b[31mred" in told
+    assert "\x1b" not in told
+    assert "\x1b[31mred" in (result.robot("one").error or "")  # the result has the very bytes
