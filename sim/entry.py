@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Callable
+from dataclasses import InitVar, dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,41 +36,35 @@ TOLD = 32
 LAST_PORT = 65535
 
 
+@dataclass
 class Entry:
-    """Brings robots into a run, at its start and through doors."""
+    """Brings robots into a run, at its start and through doors.
 
-    def __init__(
-        self,
-        loaded: LoadedWorld,
-        seed: int,
-        listen: tuple[str, int] | None,
-        scenery: Scenery,
-        context: Context,
-        switchboard: Switchboard,
-        sprayers: Sprayers,
-        crew: Crew,
-        server: Server,
-        say: Callable[[str], None],
-    ) -> None:
-        player = loaded.world.player
-        self.loaded = loaded
-        self.seed = seed
-        self.scenery = scenery
-        self.context = context
-        self.switchboard = switchboard
-        self.sprayers = sprayers
-        self.crew = crew
-        self.server = server
-        self.say = say
+    `listen`: host and port of the first robot, in place of the world file's.
+    """
+
+    loaded: LoadedWorld
+    seed: int
+    listen: InitVar[tuple[str, int] | None]
+    scenery: Scenery
+    context: Context
+    switchboard: Switchboard
+    sprayers: Sprayers
+    crew: Crew
+    server: Server
+    say: Callable[[str], None]
+    shared: Port | None = None  # of all robots, where they share one
+    simulation: Simulation = field(init=False)  # of that port
+    encoders: Encoders = field(default_factory=Encoders)
+    states: StateEncoder = field(default_factory=StateEncoder)
+    flags: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    warned: bool = False  # of an address that others can reach
+
+    def __post_init__(self, listen: tuple[str, int] | None) -> None:
+        player = self.loaded.world.player
         self.host, self.base = listen or (player.host, player.port)
         self.open = self.base is not None
-        self.shared: Port | None = None
-        self.simulation: Simulation
-        self.warned = False
-        self.encoders = Encoders()
-        self.states = StateEncoder()
-        self.flags: NDArray[np.bool_] = np.zeros(0, bool)
-        context.remark = self.remark
+        self.context.remark = self.remark
 
     def enter(
         self,
@@ -101,7 +96,7 @@ class Entry:
         driver = Driver(robot, kind, record, drives=model.drive is not None)
         self.crew.add(driver)
         self.server.max_connections = CONNECTIONS + CONNECTIONS_PER_ROBOT * (robot + 1)
-        number = self.listen(port, driver, index)
+        number = self.serve(port, driver, index)
         if driver.launched:
             assert controller is not None
             fields = {
@@ -144,7 +139,7 @@ class Entry:
         self.shared.directory.time = self.context.time
         return self.shared.serve(d for d in devices if not isinstance(d, Simulation))
 
-    def listen(self, port: Port, driver: Driver, index: int) -> int | None:
+    def serve(self, port: Port, driver: Driver, index: int) -> int | None:
         """Open the robot's port, if it is to be reached from outside; the port's number."""
         if not self.open and driver.kind not in ("command", "external"):
             return None
