@@ -8,16 +8,24 @@ from typing import TYPE_CHECKING
 from . import going, look
 from .boustrophedon import lanes
 from .compute import strip_intruder
+from .constants import APART, WALL_ROOM
 from .memory import Phase
-from .move import drive, free_travel, looks_at, may_turn, turn
+from .move import STAND_KEEP, drive, free_travel, looks_at, may_turn, turn
 from .observe import Scan
+from .poring import fine_look
 from .speak import fail, say
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
 
-PORING = 15.0
-"""For so long (s) a robot looks exactly at another that is nearly level before it looks around."""
+TURN_DEPTH = WALL_ROOM + 0.02
+"""Metres from the walls at which a robot at its goal turns: it stands there within a centimetre."""
+
+COUNTING = 60.0
+"""For so long (s) a robot that has painted looks for robots that it never saw."""
+
+CROWD = 6
+"""Of more robots than this, some may always be hidden: not to have seen them is no failure."""
 
 DOUBT = 10.0
 """What is seen must contradict the number of robots for this long (s) before it is believed."""
@@ -60,6 +68,8 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
         check_strip(brain, command, new_cycle)
     elif memory.phase is Phase.PAINTING:
         paint(brain, command)
+    elif memory.phase is Phase.COUNTING:
+        count(brain, command)
 
 
 def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None:
@@ -73,19 +83,19 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
         target = (memory.step_to, memory.row)
         direction = look.RIGHT if target[0] > pose.x else look.LEFT
         if not looks_at(pose, direction) and abs(target[0] - pose.x) > 0.3:
-            if may_turn(region, pose, tracks, brain.time):
+            if may_turn(region, pose, tracks, brain.time, brain.nearest):
                 command.motion = turn(pose, direction, limits)
                 return
             memory.step_to = None
             return
-        travel = free_travel(region, pose, target, tracks, brain.time)
+        travel = free_travel(region, pose, target, tracks, brain.time, keep=APART)
         if travel < 0.05 or row_hidden(brain, direction):
             memory.step_to = None
             return
         command.motion = drive(pose, target, travel, limits, 0.4)
         return
     if not looks_at(pose, memory.gaze):
-        if may_turn(region, pose, tracks, brain.time):
+        if may_turn(region, pose, tracks, brain.time, brain.nearest):
             command.motion = turn(pose, memory.gaze, limits)
             memory.gaze_until = brain.time + look.DWELL
         elif new_cycle:
@@ -93,44 +103,19 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
         return
     if brain.time < memory.gaze_until or not new_cycle:
         return
-    if fine_look(brain, scan, command):
+    if fine_look(brain, command):
         return
     memory.looks += 1
-    if memory.looks % 4 == 0:
+    if memory.looks % 3 == 0:
         undecided = memory.bounds.above[0] < memory.bounds.above[1]
         memory.step_to = look.step_for_view(
             region, pose, tracks, brain.shadows, brain.time, (undecided, undecided), brain.draw()
         )
         if memory.step_to is not None:
             return
-    next_gaze = look.LEFT if math.cos(memory.gaze) > 0.0 else look.RIGHT
-    memory.gaze = next_gaze
-
-
-def fine_look(brain: Brain, scan: Scan, command: Command) -> bool:
-    """Look exactly at a robot that is nearly level, until its side is known; false if none is.
-
-    Not for longer than PORING at a time: meanwhile others move.
-    """
-    memory = brain.memory
-    level = look.nearly_level(memory.tracks.all, brain.time)
-    if level is None:
-        memory.poring_since = None
-        return False
-    if memory.poring_since is None:
-        memory.poring_since = brain.time
-    if brain.time - memory.poring_since > PORING:
-        memory.poring_since = None
-        return False
-    memory.fine_looks += 1
-    spacing = float(scan.bearings[1] - scan.bearings[0])
-    gaze = look.fine_gaze(brain.pose, level, spacing, memory.fine_looks % 2 == 1)
-    if gaze is not None:
-        memory.gaze = gaze
-        memory.gaze_until = brain.time
-        error = math.remainder(gaze - brain.pose.yaw, math.tau)
-        command.motion = turn(brain.pose, brain.pose.yaw + 2.0 * error, brain.settings.limits)
-    return True
+    memory.gaze = look.DOWN if math.sin(memory.gaze) > 0.0 else look.UP
+    if memory.looks > look.PLAIN_LOOKS:
+        memory.gaze += (brain.draw() - 0.5) * brain.spacing
 
 
 def row_hidden(brain: Brain, direction: float) -> bool:
@@ -180,6 +165,10 @@ def back_off_to_turn(brain: Brain, command: Command) -> None:
     if going.turning(brain, command, look.RIGHT):
         return
     target = (goal[0] + going.final_turn(brain), goal[1])
+    if brain.region.depth_at(*target) < TURN_DEPTH:  # the row lies along a wall: off it a bit
+        middle = 0.5 * (brain.task.strip[0] + brain.task.strip[1])
+        off = math.copysign(TURN_DEPTH - brain.region.depth_at(*target), middle - goal[1])
+        target = (target[0], goal[1] + off)
     travel = free_travel(brain.region, pose, target, brain.memory.tracks.all, brain.time)
     command.motion = drive(pose, target, travel, brain.settings.limits, 0.3)
 
@@ -199,11 +188,37 @@ def paint(brain: Brain, command: Command) -> None:
         way.pop(0)
         memory.spraying = True
     if not way:
-        memory.phase = Phase.DONE
+        memory.phase = Phase.COUNTING
+        memory.counting_since = brain.time
         command.report["done_time"] = round(brain.time, 3)
+        count(brain, command)
+        return
+    travel = free_travel(brain.region, pose, way[0], memory.tracks.all, brain.time, keep=STAND_KEEP)
+    command.spray = memory.spraying
+    command.motion = drive(pose, way[0], travel, limits, 0.2)
+
+
+def count(brain: Brain, command: Command) -> None:
+    """After painting: say "done" if all the robots that it was told of were ever seen.
+
+    As the order never changes, the most that were ever seen above and below at one time are
+    different robots. Where some were not, it looks for them for a while: with a wrong number the
+    robots' strips do not make up the region, and nobody must take it for painted.
+    """
+    memory, robots = brain.memory, brain.settings.robots
+    seen = sum(memory.most)
+    if seen >= robots - 1:
+        memory.phase = Phase.DONE
         say(brain, command, "done")
         command.finished = True
         return
-    travel = free_travel(brain.region, pose, way[0], memory.tracks.all, brain.time, narrow=True)
-    command.spray = memory.spraying
-    command.motion = drive(pose, way[0], travel, limits, 0.2)
+    say(brain, command, f"painted; looking for the robots that I never saw, {robots - 1 - seen}")
+    if brain.time - memory.counting_since > COUNTING:
+        fail(
+            brain, command, f"I never saw more than {seen + 1} of the {robots} robots; told wrong?"
+        )
+        return
+    gaze = going.side_gaze(brain)
+    if gaze is None:
+        gaze = (look.LEFT, look.RIGHT)[int(brain.time / look.LOOKING) % 2]
+    going.turning(brain, command, gaze)

@@ -3,6 +3,7 @@
 The sprayer is larger than the body, so that lanes on which the body still has room beside a wall
 reach the wall. Where the region's edge is slanted, the ends of a lane follow it: the robot goes
 along the edge over the lane's breadth, and the sprayer's corner sweeps what the lane leaves bare.
+The lane itself is level.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import math
 from .constants import HALF, OVERLAP
 from .geometry import Region
 
-CLEARANCE = 0.1
-"""What is left between the body and a wall beside it (m), as at the goal."""
+CLEARANCE = 0.05
+"""What is left between the body and a wall beside it (m)."""
 
 _SLANTED = 0.15  # m: a lane's end that differs by more over its breadth is followed
 
@@ -62,7 +63,8 @@ def lanes(
         ]
         if spots:
             begin, end = (1, 0) if leftwards else (0, 1)
-            way += _end_of_lane(spots, begin, height) + _end_of_lane(spots, end, height)
+            first, last = _end_of_lane(spots, begin, height), _end_of_lane(spots, end, height)
+            way += [*first, *_back(first, height), *_back(last, height), *last]
             leftwards = not leftwards
     return way
 
@@ -76,6 +78,11 @@ def _end_of_lane(
         return [(spot[side], spot[2]) for spot in spots]
     middle = min(spots, key=lambda spot: abs(spot[2] - height))
     return [(middle[side], middle[2])]
+
+
+def _back(points: list[tuple[float, float]], height: float) -> list[tuple[float, float]]:
+    """The lane's own end, if its ends follow an edge: the lane itself is level."""
+    return [min(points, key=lambda point: abs(point[1] - height))] if len(points) > 1 else []
 
 
 def _ends(region: Region, y: float, room: float, length: float) -> tuple[float, float] | None:

@@ -14,17 +14,18 @@ from typing import Any
 import numpy as np
 
 from . import act
-from .compute import Side, Task
-from .constants import ARENA, SPRAYER
+from .compute import Task
+from .constants import ARENA, HALF, SPRAYER, TURNING
 from .geometry import Floats, Pose, Region, rectangle
 from .hidden import Shadows, is_refuted
+from .lined import hidden_on_line
 from .localize import drift, locate
 from .memory import Memory, Phase
-from .move import LIMITS, REST, Limits, Motion
-from .observe import Patch, Scan, red_points, see_robots, take_scan, wall_points
+from .move import LIMITS, REST, Limits, Motion, can_turn
+from .observe import CLEAR_OF_WALL, Patch, Scan, red_points, see_robots, take_scan, wall_points
 from .ranking import RankBounds
 from .squares import Square
-from .tracks import Tracks
+from .tracks import Tracks, is_higher
 
 CORRECTION = 0.5
 """Odometry is compared with the walls this often (s)."""
@@ -82,6 +83,8 @@ class Brain:
         self.pose = Pose(0.0, 0.0, 0.0)
         self.time = 0.0
         self.moving = False
+        self.nearest = math.inf
+        self.spacing = math.radians(1.0)  # rad between the laser's rays
 
     @property
     def region(self) -> Region:
@@ -111,6 +114,7 @@ class Brain:
         command = Command()
         memory = self.memory
         self.time = reading.time
+        self.spacing = float(reading.bearings[1] - reading.bearings[0])
         scan = self._perceive(reading)
         if memory.region is None:
             act.search_walls(self, scan, command)
@@ -124,7 +128,7 @@ class Brain:
         memory = self.memory
         before = self.pose
         cos, sin = math.cos(memory.turn), math.sin(memory.turn)
-        x, y, yaw = reading.pose
+        x, y, yaw = (float(v) for v in reading.pose)
         self.pose = Pose(
             cos * x - sin * y + float(memory.shift[0]),
             sin * x + cos * y + float(memory.shift[1]),
@@ -146,6 +150,7 @@ class Brain:
         depth = self.region.depth(scan.points)
         self._correct(wall_points(scan, depth))
         self._follow(scan, see_robots(scan, depth))
+        self._find_nearest(scan, depth)
         return scan
 
     def _find_region(self, scan: Scan) -> None:
@@ -182,11 +187,11 @@ class Brain:
         tracks, shadows = memory.tracks, self.shadows
         lost = tracks.update(seen, self.time, self.pose.x, self.pose.y)
         for track in lost:
-            shadows.admit(*track.centre, track.slack)
+            shadows.admit(*track.centre, track.slack, is_higher(self.pose.x, track))
         for track in list(tracks.all):
             if track.seen < self.time and is_refuted(scan, self.region, *track.centre, track.slack):
                 tracks.drop(track)
-                shadows.admit(*track.centre, track.slack)
+                shadows.admit(*track.centre, track.slack, is_higher(self.pose.x, track))
         shadows.spread(self.time)
         shadows.look(scan)
         followed = tracks.confirmed()
@@ -198,22 +203,34 @@ class Brain:
             shadows.clear()
         self._narrow(unseen)
 
+    def _find_nearest(self, scan: Scan, depth: Floats) -> None:
+        """The range of the nearest point on a robot, as `may_turn` takes it."""
+        ranges = np.where(depth > CLEAR_OF_WALL, scan.ranges, math.inf)
+        ray = int(np.argmin(ranges))
+        self.nearest = float(ranges[ray])
+        point = scan.points[ray]
+        near = [t for t in self.memory.tracks.all if t.seen == self.time]
+        if near:
+            owner = min(near, key=lambda t: t.distance(float(point[0]), float(point[1])))
+            if not can_turn(self.region, *owner.centre):
+                self.nearest += TURNING - HALF
+
     def _narrow(self, unseen: int) -> None:
         """Narrow the bounds on the rank by what is followed and what is in shadow."""
         memory = self.memory
         above = below = unsure = 0
         for track in memory.tracks.confirmed():
-            if track.side is Side.UNSURE:
-                unsure += 1
-            elif track.side is Side.LEVEL:
-                above += track.centre[0] > self.pose.x
-                below += track.centre[0] < self.pose.x
-            else:
-                above += track.side is Side.ABOVE
-                below += track.side is Side.BELOW
+            higher = is_higher(self.pose.x, track)
+            above += higher is True
+            below += higher is False
+            unsure += higher is None
+        memory.most = max(memory.most[0], above), max(memory.most[1], below)
         y = self.pose.y
         room_above = self.shadows.room_above(y) if unseen > 0 else 0
         room_below = self.shadows.room_below(y) if unseen > 0 else 0
+        hidden = hidden_on_line(self) if unseen > 0 else None
+        if hidden is not None:
+            room_above, room_below = (unseen, 0) if hidden else (0, unseen)
         doubt = memory.bounds.narrow(above, below, unsure, room_above, room_below)
         if doubt is None:
             memory.doubt_since = None

@@ -35,8 +35,11 @@ border are 2 INSET apart, and that must be more than EPSILON, or the second robo
 halt short of its goal for ever.
 """
 
-HALT = 1.5
-"""Where a robot has to halt anyway, it halts this far off, so that both can still turn: APART."""
+HALT = 1.65
+"""Where a robot has to halt anyway, it halts this far off, so that both can still turn.
+
+More than APART, because both may come to a halt at the same time.
+"""
 
 APART = 1.5
 """Centres this far apart may both turn: more than 2 TURNING = 1.414."""

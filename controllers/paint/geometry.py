@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+ROUNDING = 1e-9
+"""A height that misses the region by less (m) is on its border: it was added up from others."""
+
+
 class Pose(NamedTuple):
     """Position in metres and heading in radians, in the robot's own start frame."""
 
@@ -73,6 +77,8 @@ class Region:
     def chord(self, y: float) -> tuple[float, float] | None:
         """The x interval of the region at a height, None above and below it."""
         low, high = math.inf, -math.inf
+        if self.bottom - ROUNDING < y < self.top + ROUNDING:
+            y = min(max(y, self.bottom), self.top)
         for (x0, y0), (x1, y1) in self._sides:
             if min(y0, y1) <= y <= max(y0, y1):
                 for x in (x0, x1) if y0 == y1 else (x0 + (y - y0) * (x1 - x0) / (y1 - y0),):

@@ -26,11 +26,19 @@ class Shadows:
     """The places where an unseen robot's centre may be, on a grid in the own frame.
 
     `possible` (rows, columns): row 0 is the lowest. `speed` is the most that a robot drives, m/s.
+    While the robot stays on the row on which it started, y = 0, nobody crosses that (`on_row`):
+    who is above stays above. So cells end at y = 0, and nothing spreads over it.
     """
 
     def __init__(self, region: Region, speed: float) -> None:
-        low, high = (region.left, region.bottom), (region.right, region.top)
-        columns, rows = (int(n) for n in np.ceil(np.subtract(high, low) / CELL))
+        low = np.array([region.left + HALF, region.bottom + HALF])  # centres are inside of these
+        span = np.array([region.right - HALF, region.top - HALF]) - low
+        columns = max(1, math.ceil(span[0] / CELL - 1e-6))
+        low[0] -= 0.5 * (columns * CELL - span[0])
+        self.own_row = max(0, math.ceil(-low[1] / CELL - 1e-6))
+        low[1] = -self.own_row * CELL
+        rows = self.own_row + max(1, math.ceil((region.top - HALF) / CELL - 1e-6))
+        self.on_row = True
         self.x: Floats = np.arange(0.5, columns) * CELL + low[0]
         self.y: Floats = np.arange(0.5, rows) * CELL + low[1]
         grid_x, grid_y = np.meshgrid(self.x, self.y)
@@ -48,18 +56,13 @@ class Shadows:
 
     def spread(self, time: float) -> None:
         """Let who may be there drive on, until `time`; ahead of time by up to one cell."""
+        parts = (slice(0, self.own_row), slice(self.own_row, None))
         while self._spread_at <= time:
             self._spread_at += self._spread_for
             self._diagonal = not self._diagonal
-            p = self.possible
-            grown = p.copy()
-            grown[1:] |= p[:-1]
-            grown[:-1] |= p[1:]
-            wide = grown if self._diagonal else p
-            sides = grown.copy()
-            sides[:, 1:] |= wide[:, :-1]
-            sides[:, :-1] |= wide[:, 1:]
-            self.possible = sides & self.standable
+            for part in parts if self.on_row else (slice(None),):
+                self.possible[part] = _grown(self.possible[part], self._diagonal)
+            self.possible &= self.standable
 
     def look(self, scan: Scan) -> None:
         """Clear all places where a body would have been hit by a ray of the scan."""
@@ -73,15 +76,21 @@ class Shadows:
         """No unseen robot's centre is within `radius` of a point (a body is known to be there)."""
         self._near(x, y, radius - _HALF_DIAGONAL, False)
 
-    def admit(self, x: float, y: float, radius: float) -> None:
-        """An unseen robot's centre may be anywhere within `radius` of a point."""
-        self._near(x, y, radius + _HALF_DIAGONAL, True)
+    def admit(self, x: float, y: float, radius: float, above: bool | None = None) -> None:
+        """An unseen robot's centre may be within `radius` of a point, above (below) the row."""
+        self._near(x, y, radius + _HALF_DIAGONAL, True, above if self.on_row else None)
 
-    def _near(self, x: float, y: float, radius: float, value: bool) -> None:
+    def _near(
+        self, x: float, y: float, radius: float, value: bool, above: bool | None = None
+    ) -> None:
         if radius <= 0.0:
             return
         j0, j1 = np.searchsorted(self.x, (x - radius, x + radius))
-        i0, i1 = np.searchsorted(self.y, (y - radius, y + radius))
+        i0, i1 = (int(i) for i in np.searchsorted(self.y, (y - radius, y + radius)))
+        if above is not None:
+            i0, i1 = (max(i0, self.own_row), i1) if above else (i0, min(i1, self.own_row))
+        if i0 >= i1:
+            return
         dx, dy = self.x[j0:j1] - x, self.y[i0:i1] - y
         near = dx[None, :] ** 2 + dy[:, None] ** 2 < radius * radius
         part = self.possible[i0:i1, j0:j1]
@@ -91,11 +100,13 @@ class Shadows:
 
     def room_above(self, y: float) -> int:
         """At most how many unseen robots can have their centres above (or at) a height."""
-        return self._room(int(np.searchsorted(self.y + CELL / 2, y)), len(self.y))
+        first = self.own_row if self.on_row else int(np.searchsorted(self.y + CELL / 2, y))
+        return self._room(first, len(self.y))
 
     def room_below(self, y: float) -> int:
         """At most how many unseen robots can have their centres below (or at) a height."""
-        return self._room(0, int(np.searchsorted(self.y - CELL / 2, y, side="right")))
+        above = np.searchsorted(self.y - CELL / 2, y, side="right")
+        return self._room(0, self.own_row if self.on_row else int(above))
 
     def _room(self, first: int, last: int) -> int:
         # Two centres are at least a body apart, and no tile of 2 x 2 cells holds two such points.
@@ -123,6 +134,18 @@ class Shadows:
         """The centres (n, 2) of the cells where an unseen robot may be."""
         rows, columns = np.nonzero(self.possible)
         return np.stack([self.x[columns], self.y[rows]], axis=1)
+
+
+def _grown(p: Mask, diagonal: bool) -> Mask:
+    """What is marked and its neighbours, on every other call those at the corners as well."""
+    grown = p.copy()
+    grown[1:] |= p[:-1]
+    grown[:-1] |= p[1:]
+    wide = grown if diagonal else p
+    sides = grown.copy()
+    sides[:, 1:] |= wide[:, :-1]
+    sides[:, :-1] |= wide[:, 1:]
+    return sides
 
 
 def seen_free(scan: Scan, x: Floats, y: Floats, around: float) -> Mask:

@@ -18,13 +18,22 @@ from .view import best_step
 DWELL = 0.4
 """A look in one direction lasts this long (s): CONFIRMED scans and one more."""
 
+PLAIN_LOOKS = 3
+"""After so many looks straight up and down, each is off by up to half the rays' spacing: what one
+ray just misses, another will hit."""
+
+LOOKING = 4.0
+"""How long (s) a robot that has painted looks to one side."""
+
 LEFT, RIGHT, UP, DOWN = math.pi, 0.0, math.pi / 2, -math.pi / 2
 
-BY_WALL = 0.95
-"""A robot this near to a side wall looks away from it and sees all: no body fits behind (m)."""
+BY_WALL = 0.94
+"""A robot this near to a side wall looks away from it and sees all (m).
+
+No body fits behind, and what is beside it reaches into view far enough for `Shadows` to tell.
+"""
 
 _STRIDE = 0.5  # m between places to step to
-_ROW = 1.05  # m: who is less than this off the row is in the way of a side-step
 
 
 def fine_gaze(pose: Pose, track: Track, spacing: float, odd: bool) -> float | None:
@@ -45,10 +54,11 @@ def fine_gaze(pose: Pose, track: Track, spacing: float, odd: bool) -> float | No
     return base + (ray - round(ray)) * spacing
 
 
-def row_places(
-    region: Region, pose: Pose, tracks: list[Track], shadows: Shadows, time: float
-) -> list[float]:
-    """The places (x) on the own row that can be stepped to without passing or nearing anybody."""
+def row_places(region: Region, pose: Pose, tracks: list[Track], time: float) -> list[float]:
+    """The places (x) on the own row that can be stepped to without passing or nearing anybody.
+
+    Whether somebody unseen is on the way shows when the robot looks along it, before it goes.
+    """
     room = region.standing_room(pose.y, WALL_ROOM)
     if room is None:
         room = region.standing_room(pose.y, HALF + 0.1)
@@ -57,12 +67,8 @@ def row_places(
     places = [pose.x]
     for direction in (-1.0, 1.0):
         x = pose.x
-        while True:
-            x += direction * _STRIDE
-            if not room[0] <= x <= room[1]:
-                break
-            if shadows.any_in(x - 1.0, x + 1.0, pose.y - _ROW, pose.y + _ROW):
-                break
+        while room[0] < x < room[1]:
+            x = min(max(x + direction * _STRIDE, room[0]), room[1])
             if any(_in_way(track, x, pose.y, time) for track in tracks):
                 break
             places.append(x)
@@ -91,7 +97,7 @@ def step_for_view(
     number in [0, 1), picks a place where no view is clearly better, so that robots that hide each
     other do not for ever.
     """
-    xs = row_places(region, pose, tracks, shadows, time)
+    xs = row_places(region, pose, tracks, time)
     if len(xs) == 1:
         return None
     places = shadows.places()

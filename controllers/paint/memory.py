@@ -26,6 +26,7 @@ class Phase(Enum):
     GOING = "going"
     AT_GOAL = "at goal"
     PAINTING = "painting"
+    COUNTING = "counting"
     DONE = "done"
     FAILED = "failed"
 
@@ -39,6 +40,13 @@ class Memory:
 
     bounds: RankBounds
     """Bounds on the own rank: looks add up, and with all keeping order no bound expires."""
+
+    most: tuple[int, int] = (0, 0)
+    """The most robots seen above and below: if all were ever seen, the number told is right."""
+
+    known: object = None
+    known_since: float = 0.0
+    """Since when the bounds and the number of robots followed are what they are: see `lined`."""
 
     phase: Phase = Phase.LOCATING
     """Painting is uninterruptible [2], and what was done need not be done again."""
@@ -88,6 +96,12 @@ class Memory:
 
     step_to: float | None = None
     """Where a side-step goes to (x), until it is made."""
+
+    stepped_at: float = 0.0
+    """When it last thought of stepping aside."""
+
+    counting_since: float = 0.0
+    """Since when it has painted and looks for robots that it never saw."""
 
     waiting_since: float | None = None
     """Since when it has waited: after a while it steps out of the others' view."""

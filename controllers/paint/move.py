@@ -26,6 +26,12 @@ STAND_KEEP = 1.07
 TURN_RADIUS = TURNING + HALF + 0.03
 """Nobody in view is nearer than this when a robot turns (m)."""
 
+NEAR_FACE = TURNING + 0.03
+"""No point of another body is nearer than this when a robot turns (m)."""
+
+NEAR_TURNER = 2.0 * TURNING - HALF + 0.03
+"""... or than this, if the other body may turn at the same time: its corners then come nearer."""
+
 BOTH_TURN_RADIUS = 2.0 * TURNING + 0.03
 """... or than this, if the other has room to turn as well."""
 
@@ -63,27 +69,33 @@ def can_turn(region: Region, x: float, y: float) -> bool:
     return region.depth_at(x, y) > TURNING + 0.005
 
 
-def may_turn(region: Region, pose: Pose, tracks: Iterable[Track], time: float) -> bool:
+def may_turn(
+    region: Region, pose: Pose, tracks: Iterable[Track], time: float, nearest: float
+) -> bool:
     """Whether this robot may turn here and now: walls and the robots in view are far enough.
+
+    `nearest` is the range of the nearest laser point on a robot that could turn as well, or, of
+    one that cannot, that range and what a turn adds to a body's reach.
 
     A turn that was begun is finished even if another comes nearer meanwhile.
     """
     begun = abs(math.remainder(pose.yaw, math.pi / 2)) > math.radians(2.0)
     if region.depth_at(pose.x, pose.y) < (TURNING if begun else WALL_ROOM - 0.005):
         return False
+    if nearest < (NEAR_FACE if begun else NEAR_TURNER):
+        return False
     for track in tracks:
-        if time - track.seen > 2.0:
-            continue
-        x, y = track.centre
-        radius = BOTH_TURN_RADIUS if can_turn(region, x, y) and not begun else TURN_RADIUS
-        if math.hypot(x - pose.x, y - pose.y) < radius:
-            return False
+        if time - 2.0 < track.seen < time:
+            x, y = track.centre
+            radius = BOTH_TURN_RADIUS if can_turn(region, x, y) and not begun else TURN_RADIUS
+            if math.hypot(x - pose.x, y - pose.y) < radius:
+                return False
     return True
 
 
-def keep_of(region: Region, track: Track, narrow: bool) -> float:
+def keep_of(region: Region, track: Track) -> float:
     """Half the width of the square around a robot that this one stays out of."""
-    if narrow or not can_turn(region, *track.centre):
+    if not can_turn(region, *track.centre):
         return STAND_KEEP
     return TURN_KEEP
 
@@ -109,12 +121,13 @@ def free_travel(
     target: tuple[float, float],
     tracks: Iterable[Track],
     time: float,
-    narrow: bool = False,
+    keep: float | None = None,
 ) -> float:
     """How far one may go on the straight way from start to target before coming too near (m).
 
-    `narrow` is for painting, where everybody near is in a strip of its own: rows are passed at
-    STAND_KEEP. A robot that is too near already does not hold up who moves away from it.
+    `keep` is half the width of the square around each robot that is not entered; it depends on
+    whether that robot can turn unless given. A robot that is too near already does not hold up
+    who moves away from it.
     """
     dx, dy = target[0] - start.x, target[1] - start.y
     length = math.hypot(dx, dy)
@@ -126,8 +139,10 @@ def free_travel(
         if time - track.seen > 3.0:
             continue
         x, y = track.centre[0] - start.x, track.centre[1] - start.y
-        keep = keep_of(region, track, narrow)
-        if abs(x) < keep and abs(y) < keep:
+        near = keep_of(region, track) if keep is None else keep
+        if not track.confirmed:  # a sliver of a body: where it is seen is its face
+            near -= HALF
+        if abs(x) < near and abs(y) < near:
             along = ux * x if abs(x) > abs(y) else uy * y
             if along > 1e-9:
                 travel = 0.0
@@ -135,10 +150,10 @@ def free_travel(
         enter, leave = 0.0, length
         for offset, direction in ((x, ux), (y, uy)):
             if abs(direction) < 1e-12:
-                if abs(offset) >= keep:
+                if abs(offset) >= near:
                     enter = math.inf
                 continue
-            a, b = (offset - keep) / direction, (offset + keep) / direction
+            a, b = (offset - near) / direction, (offset + near) / direction
             enter, leave = max(enter, min(a, b)), min(leave, max(a, b))
         if enter <= leave:
             travel = min(travel, enter)

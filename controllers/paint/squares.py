@@ -18,17 +18,26 @@ from .geometry import Floats
 TOLERANCE = 0.03
 """How far a point may be off the face that it is said to be on (m): 3 times a noise of 0.01 m."""
 
+EXACT = 0.002
+"""A face whose points are all this near to it (m) is known as exactly as the laser measures."""
+
+_SPAN = 0.25  # m: a shorter piece of a face does not tell how it is turned
+_TILT = 0.04  # rad: up to here a body is fitted as straight, turned a little
+_LEANING = 0.01  # rad: up to here that falsifies its centre by no more than EXACT
+_UPRIGHT = 0.001  # rad: up to here its faces are taken as along the axes
 _TWO = 0.21  # m: by how much two points on a line bound a centre less well than three
 
-_TILTS = np.radians(np.arange(2.0, 90.0, 4.0))
+_STEP = math.radians(2.0)
+_TILTS = np.arange(0.0, math.pi / 2, _STEP)
+_MARGIN = 0.02  # m: what half a step of tilt moves a centre that is half a body from the points
 
 
 @dataclass(frozen=True)
 class Square:
     """A square seen: the bounds of its centre (m), whether it stands straight, and the misfit.
 
-    `x` and `y` are intervals that hold the centre. `certain` is false where a single point, or
-    two, could be on any face.
+    `x` and `y` are intervals that hold the centre. `certain` is false where the points could be
+    on any face.
     """
 
     x: tuple[float, float]
@@ -81,8 +90,10 @@ def _straight(
         return _one_face(points, axis, towards[axis], bounds[1 - axis], eye, passes)
     if (on_x | on_y).all() and all(towards[k] * (centre[k] - eye[k]) > HALF for k in (0, 1)):
         misfit = float(np.minimum(off[:, 0], off[:, 1]).max())
-        x, y = centre
-        return Square((x, x), (y, y), True, len(points) > 2, misfit)
+        span = float((high - low).max())
+        if misfit <= min(EXACT, _UPRIGHT * span) and len(points) > 2:  # else it may be turning
+            x, y = float(centre[0]), float(centre[1])
+            return Square((x, x), (y, y), True, True, misfit)
     return None
 
 
@@ -100,35 +111,44 @@ def _one_face(
     middle then is aside of the square's by half a body times the tilt.
     """
     along = 1 - axis
-    certain = len(points) > 2
+    span = float(points[:, along].max() - points[:, along].min())
+    certain = len(points) > 2 and span > _SPAN
     middle = points.mean(axis=0)
     off = points - middle
     tilt = 0.0
     if certain:
         tilt = float(off[:, axis] @ off[:, along] / max(off[:, along] @ off[:, along], 1e-9))
+        if abs(tilt) > _TILT:
+            return None
     misfit = float(np.abs(off[:, axis] - tilt * off[:, along]).max())
     face = float(middle[axis])
-    left, right = _narrowed(bounds, face + towards * HALF, axis, tilt, eye, passes)
+    aside = -towards * HALF * tilt
+    left, right = _narrowed(bounds, (face, towards), axis, (tilt, aside), eye, passes)
     if left > right:
         return None
     face += tilt * (0.5 * (left + right) - float(middle[along]))
     exact = face + towards * HALF
-    aside = -towards * HALF * tilt
+    upright = certain and misfit <= EXACT * span and abs(tilt) < _LEANING
     slack = 0.0 if certain else _TWO  # two points may be on any face of a body that is turning
     pair = [(exact - slack, exact + slack)] * 2
     pair[along] = (left + aside - slack, right + aside + slack)
-    return Square(pair[0], pair[1], certain, certain, misfit)
+    return Square(pair[0], pair[1], upright, certain, misfit)
 
 
 def _narrowed(
     bounds: tuple[float, float],
-    exact: float,
+    face: tuple[float, float],
     axis: int,
-    tilt: float,
+    turned: tuple[float, float],
     eye: tuple[float, float],
     passes: tuple[Floats | None, Floats | None],
 ) -> tuple[float, float]:
-    """Bounds along a face, cut by the rays that passed the square by on either side."""
+    """Bounds of a face's middle, cut by the rays that passed the square by on either side.
+
+    `face` is where the face lies across `axis`, and towards which side the body is; `turned` the
+    tilt, and how far that moves the square's centre along the face.
+    """
+    (front, towards), (tilt, aside) = face, turned
     low, high = float(bounds[0]), float(bounds[1])
     middle = 0.5 * (low + high)
     along = 1 - axis
@@ -136,11 +156,13 @@ def _narrowed(
         if ray is None or abs(ray[axis]) < 1e-6:
             continue
         slope = float(ray[along] / ray[axis])
-        near = eye[along] + slope * (exact - eye[axis])
+        near = eye[along] + slope * (front + towards * HALF - eye[axis])
         corner = math.copysign(HALF, near - middle)  # the corners that this ray can pass
-        crossings = [
-            eye[along] + slope * (exact + side + tilt * corner - eye[axis])
-            for side in (-HALF, HALF)
+        crossings = [  # at the front corner and at the back one, which is aside twice
+            eye[along]
+            + slope * (front + back * towards * BODY + tilt * corner - eye[axis])
+            - 2.0 * back * aside
+            for back in (0.0, 1.0)
         ]
         if min(crossings) > middle:
             high = min(high, min(crossings) - HALF)
@@ -157,49 +179,33 @@ def _single(point: Floats) -> Square:
 
 
 def _tilted(points: Floats, eye: tuple[float, float]) -> Square | None:
-    """A square that is turning: the tilt whose two faces the points fit best."""
+    """A square that may be turned any way: bounds that hold its centre for every tilt that fits.
+
+    Along a face's normal the centre is known where a point is on that face alone, else it is
+    bounded by how far the points reach.
+    """
     if len(points) < 2:
         return None
-    coarse = float(_TILTS[int(np.argmin(_misfits(points, eye, _TILTS)))])
-    tilts = coarse + np.radians(np.linspace(-4.0, 4.0, 17))
-    misfits = _misfits(points, eye, tilts)
-    k = int(np.argmin(misfits))
-    misfit, tilt = float(misfits[k]), float(tilts[k])
-    if misfit > TOLERANCE:
-        return None
-    cos, sin = math.cos(tilt), math.sin(tilt)
-    turn = np.array([[cos, -sin], [sin, cos]])
-    local = points @ turn
-    seen_from = np.array(eye) @ turn
-    low, high = local.min(axis=0), local.max(axis=0)
+    cos, sin = np.cos(_TILTS), np.sin(_TILTS)
+    turn = np.stack([np.stack([cos, sin], axis=1), np.stack([-sin, cos], axis=1)], axis=1)
+    local = turn @ points.T  # (tilts, 2, points)
+    seen_from = turn @ np.array(eye)
+    low, high = local.min(axis=2), local.max(axis=2)
     towards = np.where(0.5 * (low + high) > seen_from, 1.0, -1.0)
     face = np.where(towards > 0.0, low, high)
-    off = np.abs(local - face)
-    centre = face + towards * HALF
-    slack, corner = 0.05, True
-    for k in (0, 1):
-        alone = (off[:, k] <= TOLERANCE) & (off[:, 1 - k] > TOLERANCE)
-        if alone.sum() < 2:  # not seen for certain: only bounded by how far the points reach
-            centre[k] = 0.5 * (low[k] + high[k])
-            slack, corner = max(slack, 0.05 + 0.5 * float(BODY - (high[k] - low[k]))), False
-    x, y = turn @ centre
-    return Square(
-        (x - slack, x + slack), (y - slack, y + slack), False, corner and len(points) > 4, misfit
-    )
-
-
-def _misfits(points: Floats, eye: tuple[float, float], tilts: Floats) -> Floats:
-    cos, sin = np.cos(tilts)[:, None], np.sin(tilts)[:, None]
-    worst = []
-    spans = []
-    for a, b in ((cos, sin), (-sin, cos)):
-        local = points[:, 0] * a + points[:, 1] * b
-        seen_from = eye[0] * a[:, 0] + eye[1] * b[:, 0]
-        low, high = local.min(axis=1), local.max(axis=1)
-        face = np.where(0.5 * (low + high) > seen_from, low, high)
-        worst.append(np.abs(local - face[:, None]))
-        spans.append(high - low)
-    misfits: Floats = np.minimum(worst[0], worst[1]).max(axis=1)
-    too_wide = (spans[0] > BODY + TOLERANCE) | (spans[1] > BODY + TOLERANCE)
-    misfits[too_wide] = math.inf
-    return misfits
+    off = np.abs(local - face[:, :, None])
+    misfits = off.min(axis=1).max(axis=1)
+    misfits[(high - low > BODY + TOLERANCE).any(axis=1)] = math.inf
+    fits = misfits <= TOLERANCE
+    if not fits.any():
+        return None
+    alone = (off <= TOLERANCE) & (off[:, ::-1, :] > TOLERANCE)
+    known = alone.sum(axis=2) >= 2
+    centre = np.where(known, face + towards * HALF, 0.5 * (low + high))
+    reach = np.where(known, 0.0, 0.5 * (BODY - (high - low)).clip(0.0)) + _MARGIN
+    middle = np.einsum("tki,tk->ti", turn, centre)[fits]
+    around = np.einsum("tki,tk->ti", np.abs(turn), reach)[fits]
+    lowest, highest = (middle - around).min(axis=0), (middle + around).max(axis=0)
+    certain = len(points) > 2 and bool((highest - lowest < BODY).all())
+    x, y = ((float(a), float(b)) for a, b in zip(lowest, highest, strict=True))
+    return Square(x, y, False, certain, float(misfits.min()))

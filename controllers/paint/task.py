@@ -9,15 +9,16 @@ from .geometry import Region
 REACHED = 0.02
 """A robot this near to its goal's height makes the rest of it on the horizontal leg (m)."""
 
+_FITS = HALF  # m: half of what a body needs at its goal; the lowest strips leave no more
 _STEP = 0.05
 
 
 def goal_in(region: Region, strip: tuple[float, float]) -> tuple[float, float]:
     """The goal: the strip's lower left corner, INSET inside in both axes [3.1 Step 2, Move].
 
-    In a region whose edges are slanted the corner is where a square of half-width INSET fits
-    farthest left at that height; where none fits there (an apex), at the nearest height of the
-    strip where one does.
+    In a region whose edges are slanted the corner is where a body fits farthest left at that
+    height, as far off the edge as in a rectangle; where none fits there (an apex), at the nearest
+    height of the strip where one does.
 
     Raises:
         ValueError: no body fits into the strip.
@@ -27,9 +28,9 @@ def goal_in(region: Region, strip: tuple[float, float]) -> tuple[float, float]:
     heights = [low + INSET, *(low + (high - low) * i / steps for i in range(steps + 1))]
     heights = [heights[0], *sorted(heights[1:], key=lambda y: abs(y - heights[0]))]
     for y in heights:
-        room = region.standing_room(y, INSET)
+        room = region.standing_room(y, _FITS)
         if room is not None:
-            return room[0], y
+            return min(room[0] + INSET - _FITS, 0.5 * (room[0] + room[1])), y
     raise ValueError(f"no body fits into the strip from {low:.2f} m to {high:.2f} m")
 
 

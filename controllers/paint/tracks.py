@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from .compute import Side
 from .constants import LEVEL
-from .squares import Square
+from .squares import EXACT, Square
 
 CONFIRMED = 3
 """A robot counts once it has been seen in this many scans."""
@@ -22,12 +22,20 @@ CONFIRMED = 3
 FORGET = 4.0
 """A robot that may have driven this far (m) since it was seen is followed no longer."""
 
-_SHARP = 0.002
+SAME = 0.3
+"""Whoever could have driven farther than this (m) while out of view may be another robot now: its
+side has to be seen anew."""
+
+_SHARP = EXACT
 """Bounds are narrowed only by sightings whose points are on their faces this exactly (m): a
 body that is turned by a fraction of a degree would falsify them."""
 
 _BLUNT = 0.1
 """Inexact bounds must be this far off the own height (m) to say which side the robot is on."""
+
+LAG = 0.3
+"""Narrowed bounds may be off by up to this (m) when the robot has begun to move: a face seen at a
+slant bounds its place along the face only loosely, and a look that fits the bounds narrows them."""
 
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
@@ -58,7 +66,7 @@ class Track:
     @property
     def slack(self) -> float:
         """How far its centre may be from `centre` (m)."""
-        return 0.5 * math.hypot(self.x[1] - self.x[0], self.y[1] - self.y[0]) + self.reach
+        return 0.5 * math.hypot(self.x[1] - self.x[0], self.y[1] - self.y[0]) + self.reach + LAG
 
     def distance(self, x: float, y: float) -> float:
         """The least distance that its centre can have from a point (m)."""
@@ -81,7 +89,10 @@ class Tracks:
         pairs = self._pairing(squares, y)
         for j, square in enumerate(squares):
             if j in pairs:
-                _renew(self.all[pairs[j]], square, time)
+                track = self.all[pairs[j]]
+                if track.reach > SAME and track.side is not Side.LEVEL:
+                    track.side = Side.UNSURE
+                _renew(track, square, time)
             else:
                 self.all.append(Track(square.x, square.y, time, time, sharp=_is_sharp(square)))
         for track in self.all:
@@ -110,7 +121,7 @@ class Tracks:
             gaps = []
             cx, cy = square.centre
             for i, track in enumerate(self.all):
-                gap = track.distance(cx, cy) - square.error - _GATE
+                gap = track.distance(cx, cy) - square.error - _GATE - LAG
                 wrong_side = (track.side is Side.ABOVE and square.y[1] < y - _GATE) or (
                     track.side is Side.BELOW and square.y[0] > y + _GATE
                 )
@@ -132,6 +143,15 @@ class Tracks:
         for j in sorted(range(len(squares)), key=lambda j: len(options[j])):
             place(j, set())
         return {j: i for i, j in owner.items()}
+
+
+def is_higher(x: float, track: Track) -> bool | None:
+    """Whether a robot has a higher rank than one at `x`; None if that is open."""
+    if track.side is Side.UNSURE:
+        return None
+    if track.side is Side.LEVEL:
+        return bool(track.centre[0] > x)
+    return track.side is Side.ABOVE
 
 
 def _renew(track: Track, square: Square, time: float) -> None:
@@ -165,9 +185,20 @@ def _is_sharp(square: Square) -> bool:
 
 
 def _side(track: Track, y: float) -> Side:
-    """The track's side now; once it is above or below it stays so, because all keep the order."""
-    if track.side in (Side.ABOVE, Side.BELOW):
+    """The track's side now.
+
+    Once a robot is above or below it stays so, because all keep the order; unless exact bounds
+    say otherwise: then this is not the robot that it was taken for.
+    """
+    fresh = _side_by_bounds(track, y)
+    if track.side is Side.LEVEL and fresh is Side.UNSURE:
+        return Side.LEVEL  # nobody leaves the row without that it shows
+    if track.side in (Side.ABOVE, Side.BELOW) and (fresh is Side.UNSURE or not track.sharp):
         return track.side
+    return fresh
+
+
+def _side_by_bounds(track: Track, y: float) -> Side:
     low, high = track.y[0] - y, track.y[1] - y
     sure = LEVEL if track.sharp else _BLUNT
     if low > sure:
@@ -178,10 +209,8 @@ def _side(track: Track, y: float) -> Side:
         return Side.UNSURE
     if low >= -LEVEL and high <= LEVEL:
         return Side.LEVEL
-    if high - low < LEVEL:
-        return (
-            Side.LEVEL
-            if abs(low + high) <= 2.0 * LEVEL
-            else (Side.ABOVE if low + high > 0.0 else Side.BELOW)
-        )
-    return Side.UNSURE
+    if high - low >= LEVEL:
+        return Side.UNSURE
+    if abs(low + high) <= 2.0 * LEVEL:
+        return Side.LEVEL
+    return Side.ABOVE if low + high > 0.0 else Side.BELOW

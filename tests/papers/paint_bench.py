@@ -56,7 +56,8 @@ class Outcome:
 def corners_of(pose: NDArray[np.float64]) -> NDArray[np.float64]:
     """The corners (4, 2) of a body in the world."""
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    return SQUARE @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
+    corners: NDArray[np.float64] = SQUARE @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
+    return corners
 
 
 def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:

@@ -1,0 +1,40 @@
+"""Looking exactly at a robot that is nearly level, until its side is known."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from . import look
+from .move import turn
+
+if TYPE_CHECKING:
+    from .brain import Brain, Command
+
+PORING = 15.0
+"""For so long (s) a robot looks exactly at another that is nearly level before it looks around."""
+
+
+def fine_look(brain: Brain, command: Command) -> bool:
+    """Look exactly at a robot that is nearly level, until its side is known; false if none is.
+
+    Not for longer than PORING at a time: meanwhile others move.
+    """
+    memory = brain.memory
+    level = look.nearly_level(memory.tracks.all, brain.time)
+    if level is None:
+        memory.poring_since = None
+        return False
+    if memory.poring_since is None:
+        memory.poring_since = brain.time
+    if brain.time - memory.poring_since > PORING:
+        memory.poring_since = None
+        return False
+    memory.fine_looks += 1
+    gaze = look.fine_gaze(brain.pose, level, brain.spacing, memory.fine_looks % 2 == 1)
+    if gaze is not None:
+        memory.gaze = gaze
+        memory.gaze_until = brain.time
+        error = math.remainder(gaze - brain.pose.yaw, math.tau)
+        command.motion = turn(brain.pose, brain.pose.yaw + 2.0 * error, brain.settings.limits)
+    return True

@@ -1,0 +1,84 @@
+"""Bounds of seen robots hold their centres, however they are turned."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from controllers.paint.geometry import Pose, rectangle
+from controllers.paint.observe import GREEN, RED, see_robots, take_scan
+from controllers.paint.squares import Square
+from controllers.paint.tracks import LAG
+from sensors.rays import bearings_of, cast
+from sensors.scene import Scene
+from tests.papers.paint_bench import SQUARE, blobs_of
+
+REGION = rectangle(16.0, 21.0)
+
+robots = st.tuples(st.floats(1.0, 15.0), st.floats(1.0, 20.0), st.floats(-math.pi, math.pi))
+
+
+def sights(poses: np.ndarray, yaw: float) -> list[Square]:
+    """What a robot at the first pose's place, heading `yaw`, sees of the others."""
+    scene = Scene()
+    walls = scene.add_entity(color=RED)
+    corners = REGION.corners
+    scene.add_segments(walls, np.hstack([corners, np.roll(corners, -1, axis=0)]))
+    for pose in poses:
+        scene.add_polygon(scene.add_entity(color=GREEN, pose=pose), SQUARE)
+    scene.refresh()
+    eye = np.array([[poses[0, 0], poses[0, 1], yaw]])
+    ranges, _ = cast(scene, eye, np.array([1]), math.pi, 180, 20.0)
+    _, hits = cast(scene, eye, np.array([1]), math.pi, 160, 20.0)
+    colors = np.array([0, RED, *[GREEN] * len(poses)])[hits[0, ::-1] + 1]
+    scan = take_scan(
+        Pose(float(eye[0, 0]), float(eye[0, 1]), yaw),
+        ranges[0], bearings_of(math.pi, 180), 20.0, blobs_of(colors), 160,
+    )  # fmt: skip
+    return see_robots(scan, REGION.depth(scan.points))
+
+
+def apart(poses: np.ndarray) -> bool:
+    gaps = np.hypot(*(poses[:, None, :2] - poses[None, :, :2]).transpose(2, 0, 1))
+    return bool((gaps + 10.0 * np.eye(len(poses))).min() > 1.45)
+
+
+def beyond(square: Square, pose: np.ndarray) -> float:
+    """How far a centre is out of a square's bounds, m."""
+    (x0, x1), (y0, y1) = square.x, square.y
+    return max(x0 - pose[0], pose[0] - x1, y0 - pose[1], pose[1] - y1)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(robots, min_size=2, max_size=5), st.floats(-math.pi, math.pi))
+def test_certain_sightings_hold_the_centre_within_what_pairing_allows(
+    places: list[tuple[float, float, float]], yaw: float
+) -> None:
+    poses = np.array(places)
+    if not apart(poses):
+        return
+    for square in sights(poses, yaw):
+        if square.certain:
+            assert min(beyond(square, pose) for pose in poses[1:]) <= LAG
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.tuples(st.floats(2.0, 14.0), st.floats(2.0, 19.0)),
+    st.floats(1.6, 12.0), st.floats(-0.4, 0.4), st.booleans(), st.floats(-0.009, 0.009),
+)  # fmt: skip
+def test_a_standing_robot_that_is_nearly_level_is_bounded_exactly(
+    eye: tuple[float, float], distance: float, rise: float, leftwards: bool, yaw: float
+) -> None:
+    x = eye[0] + (-distance if leftwards else distance)
+    if not 0.6 < x < 15.4:
+        return
+    poses = np.array([[*eye, 0.0], [x, eye[1] + rise, 0.0]])
+    (square,) = sights(poses, yaw + (math.pi if leftwards else 0.0))
+    assert beyond(square, poses[1]) < 1e-6  # rounding: the rays are exact
+    assert square.x[1] - square.x[0] < 1e-6  # the upright face gives x
+    # The rays beside it bound its height by their spacing, 1 degree, at its far side.
+    assert square.y[1] - square.y[0] <= math.radians(1.0) * (distance + 1.0)

@@ -1,0 +1,136 @@
+"""A judge of Paint in the world: contacts, order and goals from the true poses of every tick."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.engine import Engine, Settings
+from sim.result import Result, RobotRecord
+from sim.run import run_world
+from sim.worldfile import load
+from tests.papers.paint_bench import corners_of, overlap
+
+Floats = NDArray[np.float64]
+
+INSET = 0.6  # how far from its strip's corner a goal lies, in both axes
+SAME_HEIGHT = 0.01
+"""Robots that start on one height may exchange heights by less (m): the odometry's rounding, the
+drive's last centimetre, and which of them is told first to go."""
+
+
+@dataclass
+class Judge:
+    """Watches a run; `region` (k, 2) are the walls' corners, counter-clockwise."""
+
+    region: Floats
+    contacts: list[str] = field(default_factory=list)
+    swaps: list[str] = field(default_factory=list)
+    order: NDArray[np.intp] | None = None
+    level: NDArray[np.bool_] | None = None
+
+    def each_tick(self, engine: Engine) -> None:
+        """Look at the true poses after a tick."""
+        poses = np.array(engine.scenery.stage.poses, dtype=float)
+        if self.order is None:
+            starts = np.array([record.start for record in engine.context.records])
+            self.order = np.lexsort((starts[:, 0], starts[:, 1]))
+            heights = starts[self.order, 1]
+            self.level = np.abs(np.diff(heights)) < 1e-9
+        assert self.level is not None
+        heights = poses[self.order, 1]
+        drops = heights[:-1] - heights[1:]
+        late = drops > np.where(self.level, SAME_HEIGHT, 0.0)
+        if late.any():
+            self.swaps.append(f"{engine.time:.1f} s: {drops.max():.4f} m")
+        self.contacts += [f"{engine.time:.1f} s: {what}" for what in self.touching(poses)]
+
+    def touching(self, poses: Floats) -> list[str]:
+        """Which bodies overlap each other or a wall."""
+        found = []
+        edges = np.roll(self.region, -1, axis=0) - self.region
+        normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
+        limits = np.sum(normals * self.region, axis=1)
+        for i, pose in enumerate(poses):
+            if (corners_of(pose) @ normals.T < limits).any():
+                found.append(f"robot {i} and a wall")
+            found += [
+                f"robots {i} and {j}"
+                for j in range(i + 1, len(poses))
+                if overlap(pose, poses[j]) > 0.0
+            ]
+        return found
+
+
+@dataclass
+class Judged:
+    """A result and what the judge saw."""
+
+    result: Result
+    judge: Judge
+
+    @property
+    def right(self) -> list[bool]:
+        """Per robot, whether it reported and reached the goal that the paper gives it."""
+        wanted = goals_of(self.result.robots, self.judge.region)
+        return [
+            "goal_time" in robot.properties
+            and bool(np.abs(reported_goal(robot) - goal).max() < 0.01)
+            for robot, goal in zip(self.result.robots, wanted, strict=True)
+        ]
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with the run, in words; nothing if all is right."""
+        found = [f"outcome {self.result.outcome}"] if self.result.outcome != "completed" else []
+        found += [f"{robot.name}: {robot.error}" for robot in self.result.robots if robot.error]
+        found += [
+            f"{robot.name}: not at its goal"
+            for robot, right in zip(self.result.robots, self.right, strict=True)
+            if not right
+        ]
+        return found + self.judge.contacts[:3] + self.judge.swaps[:3]
+
+
+def goals_of(robots: Sequence[RobotRecord], region: Floats) -> Floats:
+    """The goals (n, 2) in a rectangular world, by the paper, from the true starts."""
+    starts = np.array([robot.start for robot in robots])
+    (left, bottom), (right, top) = region.min(axis=0), region.max(axis=0)
+    height = (top - bottom) / len(starts)
+    goals = np.zeros((len(starts), 2))
+    for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
+        if math.cos(starts[i, 2]) > 0.0:
+            goals[i] = left + INSET, bottom + place * height + INSET
+        else:
+            goals[i] = right - INSET, bottom + (place + 1) * height - INSET
+    return goals
+
+
+def reported_goal(robot: RobotRecord) -> Floats:
+    """The goal that a robot reported in its own start frame, in the world (2,)."""
+    x, y, yaw = robot.start
+    gx, gy = robot.properties["goal"]
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return np.array([x + cos * gx - sin * gy, y + sin * gx + cos * gy])
+
+
+def judged_run(
+    world: Path, seed: int, settings: Sequence[str] = (), duration: float | None = None
+) -> Judged:
+    """Run a world with the judge watching."""
+    loaded = load(world, settings=settings)
+    if loaded.world.region is not None and loaded.world.boundary is not None:
+        corners: Any = loaded.world.region
+    else:
+        width, height = loaded.layout.size
+        corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
+    judge = Judge(np.array(corners, dtype=float))
+    limit = duration if duration is not None else loaded.world.duration
+    result = run_world(loaded, Settings(seed, limit), each_tick=judge.each_tick)
+    return Judged(result, judge)
