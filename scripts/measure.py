@@ -45,7 +45,7 @@ robots:
   - {{model: rover, count: {count}, placement: random, controller: {controller}}}
 controllers:
   reader: {{program: ./reader.py}}
-  outsider: {{command: [{python}, ./reader.py]}}
+  outsider: {{command: [{python}, {reader}]}}
 """
 MARK = "<!-- measured -->"
 NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
@@ -110,6 +110,7 @@ def world(
             size=list(size),
             count=count,
             python=json.dumps(sys.executable),
+            reader=json.dumps(str(folder / "reader.py")),
         )
     )
     return path

@@ -24,7 +24,6 @@ class Screen:
         self.bar: Any = None
         self.task: Any = None
         self.next_look = 0.0
-        self.began = 0.0
         if not quiet and sys.stderr.isatty():
             from rich.console import Console  # noqa: PLC0415 - not needed in a pipe
             from rich.progress import BarColumn, Progress, TextColumn  # noqa: PLC0415
@@ -71,18 +70,16 @@ class Screen:
             return
         self.next_look = now + REDRAW
         if self.task is None:
-            self.began = now
             self.task = self.bar.add_task(
                 "", total=engine.settings.duration, time="", speed="", coverage=""
             )
             return
-        speed = engine.time / max(now - self.began, 1e-9)
         painted = f"coverage {engine.scenery.floor.coverage:.1%}" if engine.sprayers.mounts else ""
         self.bar.update(
             self.task,
             completed=engine.time,
             time=f"{engine.time:.1f} s of {engine.settings.duration:g}",
-            speed=f"{speed:.0f} x real time",
+            speed=f"{engine.speed or 0.0:.0f} x real time",
             coverage=painted,
         )
 

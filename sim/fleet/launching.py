@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -42,7 +43,7 @@ def launch_of(
     assert controller.command is not None
     target, *argv = (fill(word, fields) for word in controller.command)
     if "/" in target:
-        target = str((folder / target).resolve())
+        target = os.path.abspath(folder / target)  # a link stays one: so a virtual environment is
     return Launch("exec", target, (*argv, *extra))
 
 
