@@ -223,7 +223,8 @@ class Engine:
             return "interrupted"
         over = self.time >= self.settings.duration - 1e-9
         waits_for_time = self.waits_for_time
-        done = not waits_for_time and not self.crew.running and self.doors_done()
+        entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
+        done = not waits_for_time and not self.crew.running and entered
         if not over and not done:
             return None
         states = {record.state for record in self.context.records}

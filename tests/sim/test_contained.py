@@ -99,7 +99,7 @@ with PlayerClient() as robot:
 """
     )
     lines: list[str] = []
-    result = troupe.run(path, patience=0.5, say=lines.append)
+    result = troupe.run(path, patience=2.0, say=lines.append)
     assert result.robot("one").state == "hung"
     assert result.robot("two").state == "running"
     assert result.outcome == "controller_failed"

@@ -16,7 +16,6 @@ from sim.run import run_world
 from sim.worldfile import load
 
 WORLDS = Path(__file__).resolve().parents[2] / "worlds"
-KILL_AT = 113  # 22.6 s: the third robot has left the door's cell, the next is to enter at 28 s
 
 
 @pytest.fixture
@@ -55,14 +54,16 @@ def test_a_controller_that_is_started_too_late_counts_as_killed(
     fleet.kill(4)  # asks nobody for anything
 
 
-def test_a_world_with_a_door_ends_by_itself_with_every_robot_named() -> None:
+# at 21.4 s the third robot is half out of the door's cell, at 22.6 s it has left it
+@pytest.mark.parametrize("tick", [107, 113])
+def test_a_world_with_a_door_ends_by_itself_with_every_robot_named(tick: int) -> None:
     loaded = load(WORLDS / "fcdfs_corridor.yaml")
     lines: list[str] = []
     started: list[int] = []
     before = len(psutil.Process().children(recursive=True))
 
     def kill(engine: Engine) -> None:
-        if engine.ticks == KILL_AT:
+        if engine.ticks == tick:
             started.extend(engine.fleet.pids.values())
             lose(engine.fleet)
 
@@ -74,8 +75,8 @@ def test_a_world_with_a_door_ends_by_itself_with_every_robot_named() -> None:
     )
     assert len(started) >= 2
     assert result.outcome == "controller_failed"
-    assert result.sim_time == pytest.approx(28.0)  # the fourth is killed in the door's cell
-    assert len(result.robots) == result.doors[0].emitted > len(started)
+    assert result.sim_time < 0.2 * tick + 1.0  # their ends are known within a few ticks
+    assert len(result.robots) == result.doors[0].emitted >= len(started)
     for record in result.robots:
         assert (record.state, record.exit_code) == ("failed", -signal.SIGKILL)
         assert "the fork server has died" in (record.error or "")
