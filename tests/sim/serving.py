@@ -15,6 +15,9 @@ from sim.fleet.fleet import Fleet
 from sim.result import Result
 from sim.worldfile import load
 
+World = Callable[..., Path]
+"""What the fixture `world` gives: it writes a world file."""
+
 LONG = 100_000.0
 """Simulated seconds: until the test has seen enough."""
 

@@ -1,0 +1,93 @@
+"""Which port serves which robot, and addresses that cannot be had."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+
+import pytest
+
+from tests.sim.raw_client import (
+    LASER,
+    POSITION2D,
+    pulling,
+)
+from tests.sim.serving import Serving, World
+
+
+def test_one_port_serves_all_robots_by_index(world: World) -> None:
+    with Serving(world("hand", layout="shared")) as run:
+        run.line("two: waiting for a Player client at .* that subscribes position2d:1")
+        with pulling(run.shared_port, (POSITION2D, 0)) as one:
+            assert {(4, 0), (4, 1), (6, 0), (6, 1), (31, 0)} <= set(one.devices())
+            assert (31, 1) not in one.devices()
+            with pulling(run.shared_port, (POSITION2D, 1), (LASER, 1)) as two:
+                one.drive(0.4)
+                two.drive(-0.2, index=1)
+                for _ in range(10):
+                    one.ask()
+                    got = two.round()
+                    assert set(one.answer()) == {(POSITION2D, 0, 1)}
+                assert set(got) == {(POSITION2D, 1, 1), (LASER, 1, 1)}
+                assert run.pose(0)[0] > 3.2
+                assert run.pose(1)[0] < 2.95
+        result = run.result()
+    assert result.robot("two").devices == ["position2d:1", "laser:1"]
+
+
+def test_one_client_may_drive_all_robots_of_a_port_and_is_the_clock_of_all(world: World) -> None:
+    with Serving(world("hand", layout="shared")) as run:
+        with pulling(run.shared_port, (POSITION2D, 0), (POSITION2D, 1)) as client:
+            for _ in range(10):
+                client.drive(0.4, index=0)
+                client.drive(0.2, index=1)
+                assert set(client.round()) == {(POSITION2D, 0, 1), (POSITION2D, 1, 1)}
+            assert run.engine.ticks == 10
+            assert run.pose(0)[0] > run.pose(1)[0] > 3.1
+        result = run.result()
+    assert [robot.state for robot in result.robots] == ["lost", "lost"]
+
+
+def two_free_ports() -> int:
+    """The lower of two ports that follow each other and are free now.
+
+    Below 32768: the system hands out none of those to anybody who asks for just some port.
+    """
+    for base in range(20000 + os.getpid() % 5000, 32000):
+        with contextlib.suppress(OSError):
+            for port in (base, base + 1):
+                socket.create_server(("127.0.0.1", port)).close()
+            return base
+    raise AssertionError("no free ports")
+
+
+def test_ports_follow_each_other_from_the_base(world: World) -> None:
+    base = two_free_ports()
+    with Serving(world("hand"), listen=("127.0.0.1", base)) as run:
+        assert (run.port("one"), run.port("two")) == (base, base + 1)
+
+
+def test_a_port_that_is_taken_is_a_clear_error(world: World) -> None:
+    with Serving(world()) as first:
+        port = first.port("one")
+        with (
+            Serving(world(), listen=("127.0.0.1", port)) as second,
+            pytest.raises(OSError, match=f"cannot listen on 127.0.0.1:{port}"),
+        ):
+            second.result()
+        with pulling(port) as client:  # the first run is none the worse for it
+            client.round()
+
+
+def test_ports_beyond_the_last_are_a_clear_error(world: World) -> None:
+    with (
+        Serving(world("hand"), listen=("127.0.0.1", 65535)) as run,
+        pytest.raises(OSError, match="65535 is the last one"),
+    ):
+        run.result()
+
+
+def test_another_address_than_loopback_is_pointed_out(world: World) -> None:
+    with Serving(world(), listen=("0.0.0.0", 0)) as run:
+        run.line("listening on 0.0.0.0: anybody who reaches this address can drive the robots")
