@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,27 +21,31 @@ def reference_mistakes(data: Mapping[str, Any], found: Salvaged, folder: Path) -
     models, controllers = _names(data, "models"), _names(data, "controllers")
     mistakes: list[Mistake] = []
     sound: set[str] = set(controllers)  # a thousand robots often share a program
-    for part in ("robots", "doors"):
-        for position, entry in enumerate(getattr(world, part)):
-            where = (part, found.index((part,), position))
-            if entry.model not in models:
-                allowed = listed(models) if models else "nothing: there are no models"
-                mistakes.append(
-                    Mistake(
-                        (*where, "model"),
-                        f"there is no such model{suggestion(entry.model, models)}",
-                        entry.model,
-                        allowed,
-                    )
-                )
-            if entry.controller is not None and entry.controller not in sound:
-                wrong = _named_program(entry.controller, (*where, "controller"), controllers)
-                mistakes += wrong
-                if not wrong:
-                    sound.add(entry.controller)
+    for where, entry in _entries(data):
+        model, controller = entry.get("model"), entry.get("controller")
+        if isinstance(model, str) and model not in models:
+            allowed = listed(models) if models else "nothing: there are no models"
+            hint = suggestion(model, models)
+            mistakes.append(
+                Mistake((*where, "model"), f"there is no such model{hint}", model, allowed)
+            )
+        if isinstance(controller, str) and controller not in sound:
+            wrong = _named_program(controller, (*where, "controller"), controllers)
+            mistakes += wrong
+            if not wrong:
+                sound.add(controller)
     for name, controller in world.controllers.items():
         mistakes += _controller_mistakes(controller, ("controllers", name), folder)
     return mistakes
+
+
+def _entries(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str, int], Mapping[str, Any]]]:
+    """Robots and doors as they stand in the file, those with other mistakes too."""
+    for part in ("robots", "doors"):
+        inside = data.get(part)
+        for index, entry in enumerate(inside if isinstance(inside, (list, tuple)) else ()):
+            if isinstance(entry, Mapping):
+                yield (part, index), entry
 
 
 def _names(data: Mapping[str, Any], part: str) -> list[str]:

@@ -71,3 +71,17 @@ def test_a_bad_shape_does_not_hide_the_rest_of_an_obstacle_or_the_next_one(tmp_p
         "obstacles.0.shape", "obstacles.0.pose", "obstacles.0.movable", "obstacles.1.size.1",
         "obstacles.2.speed",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("wrong", ["pose: [1, 1]", "pose: here", "colour: red, pose: [1, 1, 0]"])
+def test_a_robot_with_a_mistake_is_told_of_its_model_and_controller_too(
+    tmp_path: Path, wrong: str
+) -> None:
+    found = mistakes(
+        tmp_path,
+        "size: [5, 5]\nmodels: {m: {body: {shape: box, size: [0.5, 0.5]}}}\n"
+        f"robots: [{{model: k, controller: nobody, {wrong}}}]\n",
+    )
+    places = [one.partition(":")[0] for one in found]
+    assert {"robots.0.model", "robots.0.controller"} < set(places)
+    assert len(places) == 3
