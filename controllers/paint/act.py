@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from . import going, look
+from . import going, look, nearing
 from .boustrophedon import lanes
-from .compute import strip_intruder
+from .clearance import others
+from .compute import crowded_strip, strip_intruder
 from .constants import APART, WALL_ROOM
 from .memory import Phase
 from .move import STAND_KEEP, drive, free_travel, looks_at, may_turn, turn
 from .observe import Scan
 from .poring import fine_look
 from .speak import fail, say
+from .turning import side_gaze, turning
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -26,6 +28,11 @@ COUNTING = 60.0
 
 CROWD = 6
 """Of more robots than this, some may always be hidden: not to have seen them is no failure."""
+
+STILL = 900.0
+"""A robot at its goal begins to paint once no strip that it sees holds two robots, or after this
+long (s). Those two may not know their ranks yet, and who paints beside them hides others in turn.
+"""
 
 DOUBT = 10.0
 """What is seen must contradict the number of robots for this long (s) before it is believed."""
@@ -57,8 +64,9 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
     new_cycle = brain.time >= memory.next_cycle
     if new_cycle:
         memory.next_cycle = brain.time + brain.draw() * brain.settings.jitter
+    under_way = memory.step_to is not None or memory.nearing
     if memory.phase is Phase.OBSERVING:
-        if new_cycle and memory.bounds.rank is not None and memory.step_to is None:
+        if new_cycle and memory.bounds.rank is not None and not under_way:
             going.set_out(brain, command)
         else:
             observe(brain, scan, command, new_cycle)
@@ -79,15 +87,16 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
     tracks = memory.tracks.all
     low, high = memory.bounds.below
     say(brain, command, f"observing: {low} to {high} robots are below me")
+    if memory.nearing:
+        nearing.go_on(brain, command)
+        return
     if memory.step_to is not None:
         target = (memory.step_to, memory.row)
         direction = look.RIGHT if target[0] > pose.x else look.LEFT
-        if not looks_at(pose, direction) and abs(target[0] - pose.x) > 0.3:
-            if may_turn(region, pose, tracks, brain.time, brain.nearest):
-                command.motion = turn(pose, direction, limits)
-                return
-            memory.step_to = None
-            return
+        far = not looks_at(pose, direction) and abs(target[0] - pose.x) > 0.3
+        if far and may_turn(region, pose, tracks, brain.time, brain.nearest):
+            command.motion = turn(pose, direction, limits)
+            return  # where there is no room to turn, it slides to where it knows nobody to be
         travel = free_travel(region, pose, target, tracks, brain.time, keep=APART)
         if travel < 0.05 or row_hidden(brain, direction):
             memory.step_to = None
@@ -106,10 +115,16 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
     if fine_look(brain, command):
         return
     memory.looks += 1
+    if nearing.begin(brain):
+        return
     if memory.looks % 3 == 0:
         undecided = memory.bounds.above[0] < memory.bounds.above[1]
+        xs = look.row_places(region, pose, tracks, brain.time)
+        if not may_turn(region, pose, tracks, brain.time, brain.nearest):
+            shut = [row_hidden(brain, side) for side in (look.LEFT, look.RIGHT)]
+            xs = [x for x in xs if x == pose.x or not shut[x > pose.x]]
         memory.step_to = look.step_for_view(
-            region, pose, tracks, brain.shadows, brain.time, (undecided, undecided), brain.draw()
+            pose, xs, tracks, brain.shadows, (undecided, undecided), brain.draw()
         )
         if memory.step_to is not None:
             return
@@ -130,6 +145,8 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
     memory = brain.memory
     if not brain.settings.paint:
         memory.phase = Phase.DONE
+        if sum(memory.most) < brain.settings.robots - 1:
+            say(brain, command, f"at goal; of {brain.settings.robots} robots I saw {_seen(brain)}")
         command.finished = True
         return
     task = brain.task
@@ -141,13 +158,18 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
         return
     if not new_cycle:
         return
-    intruder = strip_intruder(task.strip, going.others(brain), task.margin)
+    intruder = strip_intruder(task.strip, others(brain), task.margin)
     if intruder is not None:
         say(brain, command, f"waiting: a robot is in my strip at height {intruder.y:.1f}")
         return
     low, high = task.strip[0] - task.margin, task.strip[1] + task.margin
     if brain.shadows.any_in(brain.region.left, brain.region.right, low, high):
         say(brain, command, "waiting: I cannot see all of my strip")
+        return
+    heights = [brain.pose.y, *(other.y for other in others(brain))]
+    crowded = crowded_strip(heights, brain.settings.robots, brain.region.bottom, brain.region.top)
+    if crowded is not None and brain.time - memory.arrived < STILL:
+        say(brain, command, f"waiting: two robots are in strip {crowded}, and may still look")
         return
     memory.way = lanes(brain.region, task.strip, brain.settings.sprayer)
     memory.phase = Phase.PAINTING
@@ -162,7 +184,7 @@ def back_off_to_turn(brain: Brain, command: Command) -> None:
     that it came along, and nobody may have come within epsilon of it since.
     """
     pose, goal = brain.pose, brain.task.goal
-    if going.turning(brain, command, look.RIGHT):
+    if turning(brain, command, look.RIGHT):
         return
     target = (goal[0] + going.final_turn(brain), goal[1])
     if brain.region.depth_at(*target) < TURN_DEPTH:  # the row lies along a wall: off it a bit
@@ -214,11 +236,20 @@ def count(brain: Brain, command: Command) -> None:
         return
     say(brain, command, f"painted; looking for the robots that I never saw, {robots - 1 - seen}")
     if brain.time - memory.counting_since > COUNTING:
-        fail(
-            brain, command, f"I never saw more than {seen + 1} of the {robots} robots; told wrong?"
-        )
+        if robots > CROWD:
+            memory.phase = Phase.DONE
+            say(brain, command, f"done; of {robots} robots I saw {_seen(brain)}")
+            command.finished = True
+        else:
+            told = f"I never saw more than {_seen(brain)} of the {robots} robots; told wrong?"
+            fail(brain, command, told)
         return
-    gaze = going.side_gaze(brain)
+    gaze = side_gaze(brain)
     if gaze is None:
         gaze = (look.LEFT, look.RIGHT)[int(brain.time / look.LOOKING) % 2]
-    going.turning(brain, command, gaze)
+    turning(brain, command, gaze)
+
+
+def _seen(brain: Brain) -> int:
+    """How many robots it knows of at least, itself included."""
+    return sum(brain.memory.most) + 1

@@ -15,9 +15,9 @@ import numpy as np
 
 from . import act
 from .compute import Task
-from .constants import ARENA, HALF, SPRAYER, TURNING
+from .constants import ARENA, BODY, HALF, SPRAYER, TURNING
 from .geometry import Floats, Pose, Region, rectangle
-from .hidden import Shadows, is_refuted
+from .hidden import Shadows, refuted
 from .lined import hidden_on_line
 from .localize import drift, locate
 from .memory import Memory, Phase
@@ -107,7 +107,7 @@ class Brain:
     @property
     def unseen(self) -> int:
         """How many robots there must be besides those that are followed."""
-        return self.settings.robots - 1 - len(self.memory.tracks.confirmed())
+        return self.settings.robots - 1 - len(self.memory.tracks.sure)
 
     def step(self, reading: Reading) -> Command:
         """Take in one reading and say what to do."""
@@ -188,16 +188,21 @@ class Brain:
         lost = tracks.update(seen, self.time, self.pose.x, self.pose.y)
         for track in lost:
             shadows.admit(*track.centre, track.slack, is_higher(self.pose.x, track))
-        for track in list(tracks.all):
-            if track.seen < self.time and is_refuted(scan, self.region, *track.centre, track.slack):
+        out_of_view = [track for track in tracks.all if track.seen < self.time]
+        if out_of_view:
+            places = np.array([track.centre for track in out_of_view])
+            radii = np.array([track.slack for track in out_of_view])
+            for i in np.flatnonzero(refuted(scan, self.region, places, radii)):
+                track = out_of_view[i]
                 tracks.drop(track)
                 shadows.admit(*track.centre, track.slack, is_higher(self.pose.x, track))
+        tracks.tell_apart()
         shadows.spread(self.time)
         shadows.look(scan)
-        followed = tracks.confirmed()
-        for track in followed:
-            if track.seen == self.time:
-                shadows.exclude(*track.centre, 1.0 - track.slack)
+        followed = tracks.sure
+        for track, square in tracks.sightings:
+            if square.certain and track.confirmed:
+                shadows.exclude(*square.centre, BODY - square.error)
         unseen = self.unseen
         if unseen <= 0 and all(t.seen == self.time and t.looks >= SURE for t in followed):
             shadows.clear()
@@ -219,15 +224,17 @@ class Brain:
         """Narrow the bounds on the rank by what is followed and what is in shadow."""
         memory = self.memory
         above = below = unsure = 0
-        for track in memory.tracks.confirmed():
+        for track in memory.tracks.sure:
             higher = is_higher(self.pose.x, track)
             above += higher is True
             below += higher is False
             unsure += higher is None
+        sides = [is_higher(self.pose.x, track) for track in memory.tracks.doubtful]
+        maybe_above, maybe_below = len(sides) - sides.count(False), len(sides) - sides.count(True)
         memory.most = max(memory.most[0], above), max(memory.most[1], below)
         y = self.pose.y
-        room_above = self.shadows.room_above(y) if unseen > 0 else 0
-        room_below = self.shadows.room_below(y) if unseen > 0 else 0
+        room_above = self.shadows.room_above(y) + maybe_above if unseen > 0 else 0
+        room_below = self.shadows.room_below(y) + maybe_below if unseen > 0 else 0
         hidden = hidden_on_line(self) if unseen > 0 else None
         if hidden is not None:
             room_above, room_below = (unseen, 0) if hidden else (0, unseen)

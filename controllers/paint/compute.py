@@ -9,6 +9,7 @@ robot that has to halt stays where it is and never backs off.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -163,6 +164,12 @@ def strip_intruder(
     """
     low, high = strip[0] - margin, strip[1] + margin
     return next((other for other in others if low < other.y < high), None)
+
+
+def crowded_strip(heights: Iterable[float], robots: int, bottom: float, top: float) -> int | None:
+    """The rank of the lowest strip that two of these heights lie in; None if none does."""
+    strips = sorted(int((y - bottom) / (top - bottom) * robots) for y in heights)
+    return next((a + 1 for a, b in itertools.pairwise(strips) if a == b), None)
 
 
 class Act(Enum):

@@ -1,11 +1,12 @@
-"""Robots on one line: who stays hidden behind a robot of nearly the own height.
+"""Robots on one line: who stays hidden behind a robot at the own height.
 
 Where three bodies stand on one line, the outer two can never see each other, wherever on their
 rows they go: what they differ in height by is less than what the middle one hides. The paper
 leaves out more than two on a line [5]. Here the outer ones, once they have looked from many places
-for long, take who is hidden to be as high as the robot that hides it; where that is level with
-themselves, x decides, as for any tie [3.1 Step 1]. A robot between two others on a line cannot
-tell how many are hidden on which side: it waits until the outer ones have gone.
+for long, take who is hidden behind a level robot to be level as well, and x decides, as for any tie
+[3.1 Step 1]. This is the one place where a robot takes for true what it has not seen: a hidden
+robot a little higher or lower would be taken for level. A robot between two others on a line
+cannot tell how many are hidden on which side: it waits until the outer ones have gone.
 """
 
 from __future__ import annotations
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
 LONG = 60.0
 """So long (s) what is known must not have changed."""
 
-NEARLY = 0.15
-"""A robot whose height differs by less (m) may hide another for good."""
-
 _RECENT = 5.0  # s: a look both ways takes less
 _STRAYED = 1.2  # m: as far as a shadow spreads between two looks
 
@@ -37,8 +35,8 @@ _STRAYED = 1.2  # m: as far as a shadow spreads between two looks
 def hidden_on_line(brain: Brain) -> bool | None:
     """Whether all unseen robots are above (true) or below (false), on a line; None if open."""
     memory, pose = brain.memory, brain.pose
-    followed = memory.tracks.confirmed()
-    state = (memory.bounds.above, memory.bounds.below, len(followed))
+    followed = memory.tracks.sure
+    state = (memory.bounds.above, memory.bounds.below)
     if state != memory.known:
         memory.known, memory.known_since = state, brain.time
     if memory.phase is not Phase.OBSERVING or brain.time - memory.known_since < LONG:
@@ -49,12 +47,11 @@ def hidden_on_line(brain: Brain) -> bool | None:
     verdicts: set[bool] = set()
     open_ = np.ones(len(places), bool)
     for track in followed:
-        if abs(track.centre[1] - pose.y) > NEARLY or brain.time - track.seen > _RECENT:
+        if track.side is not Side.LEVEL or brain.time - track.seen > _RECENT:
             continue
         behind = _behind(track, places, pose.x, pose.y)
         if (behind & open_).any():
-            level = track.side is Side.LEVEL
-            verdicts.add(track.centre[0] > pose.x if level else track.side is Side.ABOVE)
+            verdicts.add(track.centre[0] > pose.x)
         open_ &= ~behind
     if open_.any() or len(verdicts) != 1:
         return None

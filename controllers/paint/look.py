@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from controllers.motion import wrap
 
 from .compute import Side
-from .constants import APART, HALF, LEVEL, WALL_ROOM
+from .constants import APART, EPSILON, HALF, LEVEL, WALL_ROOM
 from .geometry import Pose, Region
 from .hidden import Shadows
 from .tracks import Track
@@ -47,7 +48,7 @@ def fine_gaze(pose: Pose, track: Track, spacing: float, odd: bool) -> float | No
         return None
     x, y = track.centre
     face = x - math.copysign(HALF, x - pose.x)
-    corner = y - HALF if odd else y + HALF
+    corner = y - track.aside + (-HALF if odd else HALF)
     base = RIGHT if x > pose.x else LEFT
     bearing = wrap(math.atan2(corner - pose.y, face - pose.x) - base)
     ray = (bearing + math.pi / 2) / spacing
@@ -61,7 +62,7 @@ def row_places(region: Region, pose: Pose, tracks: list[Track], time: float) -> 
     """
     room = region.standing_room(pose.y, WALL_ROOM)
     if room is None:
-        room = region.standing_room(pose.y, HALF + 0.1)
+        room = region.standing_room(pose.y, HALF + 0.05)
     if room is None:
         return [pose.x]
     places = [pose.x]
@@ -69,35 +70,38 @@ def row_places(region: Region, pose: Pose, tracks: list[Track], time: float) -> 
         x = pose.x
         while room[0] < x < room[1]:
             x = min(max(x + direction * _STRIDE, room[0]), room[1])
-            if any(_in_way(track, x, pose.y, time) for track in tracks):
+            if any(_in_way(track, x, pose, time) for track in tracks):
                 break
             places.append(x)
     return places
 
 
-def _in_way(track: Track, x: float, y: float, time: float) -> bool:
+def _in_way(track: Track, x: float, pose: Pose, time: float) -> bool:
+    """Whether a robot is too near to a place on the row; not if one leaves it on the way there."""
     ox, oy = track.centre
-    reach = track.reach if time > track.seen else 0.0
-    return max(abs(ox - x), abs(oy - y)) - reach < APART + 0.05
+    off = abs(oy - pose.y)
+    near = APART + 0.05 + (track.reach if time > track.seen else 0.0)
+    if max(abs(ox - x), off) >= near:
+        return False
+    leaving = abs(ox - x) > abs(ox - pose.x) or off > EPSILON
+    return not (leaving and max(abs(ox - pose.x), off) < near)
 
 
 def step_for_view(
-    region: Region,
     pose: Pose,
+    xs: Sequence[float],
     tracks: list[Track],
     shadows: Shadows,
-    time: float,
     undecided: tuple[bool, bool],
     chance: float,
 ) -> float | None:
-    """Where on the row to step to, to see more; None to stay.
+    """Which of the places `xs` on the row to step to, to see more; None to stay.
 
     `undecided` says whether the places above, and those below, have to be seen into: those are
     judged of which fewer are left, because either number of robots gives the rank. `chance`, a
     number in [0, 1), picks a place where no view is clearly better, so that robots that hide each
     other do not for ever.
     """
-    xs = row_places(region, pose, tracks, time)
     if len(xs) == 1:
         return None
     places = shadows.places()

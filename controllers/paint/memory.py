@@ -46,7 +46,7 @@ class Memory:
 
     known: object = None
     known_since: float = 0.0
-    """Since when the bounds and the number of robots followed are what they are: see `lined`."""
+    """Since when the bounds are what they are: see `lined`."""
 
     phase: Phase = Phase.LOCATING
     """Painting is uninterruptible [2], and what was done need not be done again."""
@@ -91,8 +91,15 @@ class Memory:
     fine_looks: int = 0
     """Exact looks taken: upper and lower corner are looked at in turn."""
 
+    spell_ends: float = 0.0
+    holds_still: bool = False
+    """Whether it holds still to be looked at exactly, and until when: see `poring`."""
+
     row: float = 0.0
     """The height at which it started: side-steps stay on it, so that level robots stay level."""
+
+    nearing: bool = False
+    """Whether it is on its way up or down while its rank is open: it ends at rest."""
 
     step_to: float | None = None
     """Where a side-step goes to (x), until it is made."""
@@ -114,6 +121,9 @@ class Memory:
 
     row_clear: bool = False
     """The way to the goal on its row was seen free: nobody may come within epsilon of it since."""
+
+    arrived: float = 0.0
+    """When it reached its goal: it does not wait there for ever for others to come out of one."""
 
     way: list[tuple[float, float]] = field(default_factory=list)
     """What is left of the way over the strip."""

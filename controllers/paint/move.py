@@ -122,12 +122,13 @@ def free_travel(
     tracks: Iterable[Track],
     time: float,
     keep: float | None = None,
+    recent: float = 3.0,
 ) -> float:
     """How far one may go on the straight way from start to target before coming too near (m).
 
     `keep` is half the width of the square around each robot that is not entered; it depends on
     whether that robot can turn unless given. A robot that is too near already does not hold up
-    who moves away from it.
+    who moves away from it. Only robots seen within `recent` (s) count.
     """
     dx, dy = target[0] - start.x, target[1] - start.y
     length = math.hypot(dx, dy)
@@ -136,7 +137,7 @@ def free_travel(
     ux, uy = dx / length, dy / length
     travel = to_walls(region, start, target)
     for track in tracks:
-        if time - track.seen > 3.0:
+        if time - track.seen > recent:
             continue
         x, y = track.centre[0] - start.x, track.centre[1] - start.y
         near = keep_of(region, track) if keep is None else keep
@@ -144,7 +145,7 @@ def free_travel(
             near -= HALF
         if abs(x) < near and abs(y) < near:
             along = ux * x if abs(x) > abs(y) else uy * y
-            if along > 1e-9:
+            if along > 0.01:
                 travel = 0.0
             continue
         enter, leave = 0.0, length

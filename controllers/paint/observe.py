@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from .constants import BODY
 from .geometry import Floats, Pose, to_own_frame
-from .squares import Square, fit_square
+from .squares import Square, any_of, fit_square, may_be_one
 
 RED, GREEN = 0xFF0000, 0x00FF00
 
@@ -53,6 +54,21 @@ class Scan:
     red: NDArray[np.bool_]
     green: NDArray[np.bool_]
     max_range: float
+
+    @cached_property
+    def maxima(self) -> Floats:
+        """The largest range of every run of 1, 2, 4, ... rays, a row each, (rows, n).
+
+        Row k holds at i the largest of the 2**k ranges from ray i on; what has no such run is 0.
+        """
+        rows = [self.ranges]
+        while 2 ** len(rows) <= len(self.ranges):
+            half = 2 ** (len(rows) - 1)
+            rows.append(np.maximum(rows[-1][:-half], rows[-1][half:]))
+        table = np.zeros((len(rows), len(self.ranges)))
+        for k, row in enumerate(rows):
+            table[k, : len(row)] = row
+        return table
 
 
 def take_scan(
@@ -104,8 +120,19 @@ def see_robots(scan: Scan, depth: Floats) -> list[Square]:
     cuts = np.flatnonzero((np.diff(rays) > 1) | (gaps > math.sqrt(2.0) * BODY)) + 1
     seen: list[Square] = []
     for run in np.split(rays, cuts):
-        seen += _squares_in(scan, run)
+        for square in _squares_in(scan, run):
+            _add(seen, square)
     return seen
+
+
+def _add(seen: list[Square], square: Square) -> None:
+    """Add a square, unless it may be a piece of one seen already, left and right of what hides its
+    middle: of the two the exact one is kept."""
+    for i, other in enumerate(seen):
+        if may_be_one(square, other):
+            seen[i] = min(square, other, key=lambda s: (not s.certain, s.error))
+            return
+    seen.append(square)
 
 
 def _squares_in(scan: Scan, run: NDArray[np.intp]) -> list[Square]:
@@ -115,11 +142,17 @@ def _squares_in(scan: Scan, run: NDArray[np.intp]) -> list[Square]:
         return [] if square is None else [square]
     jumps = np.abs(np.diff(scan.ranges[run]))
     order = np.argsort(-jumps, kind="stable")
+    found: list[list[Square]] = []
     for cut in order[:6]:
-        parts = run[: cut + 1], run[cut + 1 :]
-        squares = [_fit(scan, part) for part in parts]
-        if all(s is not None for s in squares):
-            return [s for s in squares if s is not None]
+        if found and jumps[cut] < 0.5 * jumps[order[0]]:
+            break
+        parts = [_fit(scan, run[: cut + 1]), _fit(scan, run[cut + 1 :])]
+        squares = [part for part in parts if part is not None]
+        if len(squares) == 2:
+            found.append(squares)
+    if found:  # where it may be cut at several places, the squares are as vague as that
+        both = [any_of([pair[side] for pair in found]) for side in (0, 1)]
+        return [square for square in both if square is not None]
     if jumps[order[0]] < 0.1:
         return []  # one surface that is no robot's
     cut = order[0]

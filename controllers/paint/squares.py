@@ -8,6 +8,7 @@ centre exactly, and the other is bounded by the points, and by the rays beside t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +38,8 @@ class Square:
     """A square seen: the bounds of its centre (m), whether it stands straight, and the misfit.
 
     `x` and `y` are intervals that hold the centre. `certain` is false where the points could be
-    on any face.
+    on any face. `aside` is how far along its only face in view the centre is from that face's
+    middle (m): a body that leans a little.
     """
 
     x: tuple[float, float]
@@ -45,6 +47,7 @@ class Square:
     straight: bool
     certain: bool
     misfit: float
+    aside: float = 0.0
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -57,6 +60,32 @@ class Square:
         return 0.5 * math.hypot(self.x[1] - self.x[0], self.y[1] - self.y[0])
 
 
+def may_be_one(one: Square, other: Square) -> bool:
+    """Whether two squares seen may be pieces of one and the same."""
+    return all(
+        max(a[0], b[0]) <= min(a[1], b[1]) + TOLERANCE
+        for a, b in ((one.x, other.x), (one.y, other.y))
+    )
+
+
+def any_of(squares: Sequence[Square]) -> Square | None:
+    """One square of which it is open which of these it is, within the bounds of them all; or None.
+
+    It is certain only if all of them are.
+    """
+    if len(squares) < 2:
+        return squares[0] if squares else None
+    x = min(square.x[0] for square in squares), max(square.x[1] for square in squares)
+    y = min(square.y[0] for square in squares), max(square.y[1] for square in squares)
+    return Square(
+        x,
+        y,
+        all(square.straight for square in squares),
+        all(square.certain for square in squares),
+        max(square.misfit for square in squares),
+    )
+
+
 def fit_square(
     points: Floats, eye: tuple[float, float], passes: tuple[Floats | None, Floats | None]
 ) -> Square | None:
@@ -65,7 +94,11 @@ def fit_square(
     `passes` are the directions (2,) of the rays just right and just left of the points, where
     these passed the square by; None where something nearer hides what is there.
     """
-    return _straight(points, eye, passes) or _tilted(points, eye)
+    straight = _straight(points, eye, passes)
+    if straight is not None and (straight.certain or len(points) == 1):
+        return straight
+    tilted = _tilted(points, eye)
+    return any_of([square for square in (straight, tilted) if square is not None])
 
 
 def _straight(
@@ -132,7 +165,7 @@ def _one_face(
     slack = 0.0 if certain else _TWO  # two points may be on any face of a body that is turning
     pair = [(exact - slack, exact + slack)] * 2
     pair[along] = (left + aside - slack, right + aside + slack)
-    return Square(pair[0], pair[1], upright, certain, misfit)
+    return Square(pair[0], pair[1], upright, certain, misfit, aside)
 
 
 def _narrowed(

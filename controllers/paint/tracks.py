@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .compute import Side
-from .constants import LEVEL
+from .constants import BODY, LEVEL
 from .squares import EXACT, Square
 
 CONFIRMED = 3
@@ -39,6 +39,13 @@ slant bounds its place along the face only loosely, and a look that fits the bou
 
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
+_TWO = BODY - _GATE
+"""Two tracks whose robots may be nearer to each other (m) may be of one and the same."""
+
+
+_UNSEEN = 0.5
+"""For no more than this (m) is the way that a robot may have driven unseen a reason to doubt."""
+
 
 @dataclass
 class Track:
@@ -52,6 +59,7 @@ class Track:
     side: Side = Side.UNSURE
     sharp: bool = False  # whether the bounds are from sightings that were exact
     reach: float = 0.0  # how far it may have driven since it was seen, m
+    aside: float = 0.0  # how far its face's middle in view is from its centre, m (see Square)
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -76,10 +84,17 @@ class Track:
 
 
 class Tracks:
-    """All robots that are being followed. `speed` is the most that a robot drives, m/s."""
+    """All robots that are being followed. `speed` is the most that a robot drives, m/s.
+
+    `sure` are those seen often enough that are certainly different robots, `doubtful` those that
+    may be one of them: `tell_apart` parts them. `sightings` are the last scan's, with their tracks.
+    """
 
     def __init__(self, speed: float) -> None:
         self.all: list[Track] = []
+        self.sure: list[Track] = []
+        self.doubtful: list[Track] = []
+        self.sightings: list[tuple[Track, Square]] = []
         self.speed = speed
 
     def update(self, squares: Sequence[Square], time: float, x: float, y: float) -> list[Track]:
@@ -87,12 +102,14 @@ class Tracks:
         for track in self.all:
             track.reach = (time - track.seen) * self.speed
         pairs = self._pairing(squares, y)
+        self.sightings = []
         for j, square in enumerate(squares):
             if j in pairs:
                 track = self.all[pairs[j]]
                 if track.reach > SAME and track.side is not Side.LEVEL:
                     track.side = Side.UNSURE
                 _renew(track, square, time)
+                self.sightings.append((track, square))
             else:
                 self.all.append(Track(square.x, square.y, time, time, sharp=_is_sharp(square)))
         for track in self.all:
@@ -110,9 +127,15 @@ class Tracks:
         """Stop following a robot that turned out not to be where it could be."""
         self.all = [other for other in self.all if other is not track]
 
-    def confirmed(self) -> list[Track]:
-        """The robots that count."""
-        return [track for track in self.all if track.confirmed]
+    def tell_apart(self) -> None:
+        """Part the robots that count from those that may be one of them: the exact ones count.
+
+        The number of robots that count is at most the true one.
+        """
+        self.sure, self.doubtful = [], []
+        for track in sorted((t for t in self.all if t.confirmed), key=lambda t: t.slack):
+            apart = all(_gap(track, other) >= _TWO for other in self.sure)
+            (self.sure if apart else self.doubtful).append(track)
 
     def _pairing(self, squares: Sequence[Square], y: float) -> dict[int, int]:
         """Sighting to track, so that as many as possible are paired; near pairs first."""
@@ -140,9 +163,24 @@ class Tracks:
                         return True
             return False
 
-        for j in sorted(range(len(squares)), key=lambda j: len(options[j])):
+        certain = [j for j, square in enumerate(squares) if square.certain]
+        for j in sorted(certain, key=lambda j: len(options[j])):
             place(j, set())
+        for j in set(range(len(squares))).difference(certain):  # a sliver takes what is left
+            free = [i for i in options[j] if i not in owner]
+            if free:
+                owner[free[0]] = j
         return {j: i for i, j in owner.items()}
+
+
+def _gap(one: Track, other: Track) -> float:
+    """The least distance that two robots can have from each other (m).
+
+    Who was out of view for long is told apart by the pairing, so that is not taken into account.
+    """
+    dx = max(one.x[0] - other.x[1], other.x[0] - one.x[1], 0.0)
+    dy = max(one.y[0] - other.y[1], other.y[0] - one.y[1], 0.0)
+    return math.hypot(dx, dy) - min(one.reach, _UNSEEN) - min(other.reach, _UNSEEN)
 
 
 def is_higher(x: float, track: Track) -> bool | None:
@@ -162,6 +200,8 @@ def _renew(track: Track, square: Square, time: float) -> None:
         low <= high + (_SHARP if old[1] - old[0] < _SHARP else 0.1 * _SHARP)
         for (low, high), old in ((x, track.x), (y, track.y))
     )
+    if not (consistent or square.certain):
+        return  # a sliver elsewhere may be anybody's
     sharp = _is_sharp(square)
     if consistent and (sharp and track.sharp):
         track.x, track.y = (min(x), max(x)), (min(y), max(y))
@@ -169,7 +209,7 @@ def _renew(track: Track, square: Square, time: float) -> None:
         far = track.reach + (0.0 if consistent else _GATE)  # how far beyond its old bounds it is
         track.x, track.y = _clipped(square.x, track.x, far), _clipped(square.y, track.y, far)
         track.since, track.sharp = time, sharp
-    track.seen, track.reach = time, 0.0
+    track.seen, track.reach, track.aside = time, 0.0, square.aside
     if square.certain:
         track.looks += 1
 

@@ -1,0 +1,114 @@
+"""Waiting without hiding others: looking at whom it waits for, stepping aside along its row."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from . import look
+from .clearance import hidden_between
+from .compute import Decision, Other, Side
+from .constants import APART
+from .move import drive, free_travel, looks_at
+from .poring import fine_look
+from .turning import side_gaze, turning
+
+if TYPE_CHECKING:
+    from .brain import Brain, Command
+
+PATIENT = 8.0
+"""After waiting this long (s) a robot steps aside to the wall, out of the others' view.
+
+After each further while it steps to anywhere on its row: where it stands may be what hides two
+others from each other, of whom it waits for one.
+"""
+
+BERTH = 0.4
+"""A robot that gives another berth on its row (m) is still on it."""
+
+
+def wait(brain: Brain, command: Command, decision: Decision) -> None:
+    """Look at whom it waits for; after a while step aside to the wall; else look around."""
+    memory, pose = brain.memory, brain.pose
+    side = side_gaze(brain)
+    blocker = decision.waits_for
+    if side is not None:
+        turning(brain, command, side)
+        return
+    since = memory.waiting_since if memory.waiting_since is not None else brain.time
+    if brain.time - max(since, memory.stepped_at) > PATIENT and memory.step_to is None:
+        memory.step_to = _where_to_wait(brain, memory.stepped_at < since, blocker)
+        memory.stepped_at = brain.time
+    if memory.step_to is not None:
+        if abs(pose.x - memory.step_to) > 0.3 and _step_aside(brain, command):
+            return
+        memory.step_to = None
+    if blocker is not None and blocker.side is Side.UNSURE:
+        if fine_look(brain, command):
+            return
+        wanted = look.RIGHT if blocker.x > pose.x else look.LEFT
+    elif blocker is not None and looks_at(pose, memory.gaze):
+        upwards = blocker.y > pose.y
+        wanted = look.UP if upwards else look.DOWN
+    else:
+        wanted = memory.gaze
+    if blocker is None and looks_at(pose, memory.gaze) and brain.time > memory.gaze_until:
+        wanted = _next_gaze(brain)
+        memory.gaze_until = brain.time + 3.0
+        memory.looks += 1
+    memory.gaze = wanted
+    turning(brain, command, wanted)
+
+
+def make_room(brain: Brain, command: Command) -> None:
+    """Between others it can neither turn nor see its way: step aside to where it can turn."""
+    memory, pose = brain.memory, brain.pose
+    if memory.step_to is None and brain.time - memory.stepped_at > PATIENT:
+        memory.stepped_at = brain.time
+        places = look.row_places(brain.region, pose, memory.tracks.all, brain.time)
+        memory.step_to = places[int(brain.draw() * len(places))]
+    if memory.step_to is not None and (
+        abs(pose.x - memory.step_to) < 0.3 or not _step_aside(brain, command)
+    ):
+        memory.step_to = None
+
+
+def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | None:
+    """Where on its row to step to: to the wall, to anywhere, or for the best view of its way."""
+    pose, tracks = brain.pose, brain.memory.tracks.all
+    places = look.row_places(brain.region, pose, tracks, brain.time)
+    if blocker is None:
+        upwards = brain.task.goal[1] > pose.y
+        return look.step_for_view(
+            pose, places, tracks, brain.shadows, (upwards, not upwards), brain.draw()
+        )
+    return min(places) if first else sorted(places)[int(brain.draw() * len(places))]
+
+
+def _next_gaze(brain: Brain) -> float:
+    """Where to look next for unseen robots: the way it is going, and to the sides in turn."""
+    memory, goal = brain.memory, brain.task.goal
+    on_row = abs(goal[1] - brain.pose.y) < BERTH
+    ahead = look.LEFT if on_row else look.UP if goal[1] > brain.pose.y else look.DOWN
+    if abs(math.remainder(memory.gaze - ahead, math.tau)) > 0.1:
+        return ahead
+    return (look.LEFT, look.RIGHT)[memory.looks // 2 % 2]
+
+
+def _step_aside(brain: Brain, command: Command) -> bool:
+    """Go on with a step along the row, out of the others' view; false if that is not possible."""
+    memory, pose = brain.memory, brain.pose
+    assert memory.step_to is not None
+    leftwards = memory.step_to < pose.x
+    gaze = look.LEFT if leftwards else look.RIGHT
+    if not looks_at(pose, gaze) and turning(brain, command, gaze):
+        return True  # where there is no room to turn, it slides to where it knows nobody to be
+    target = (memory.step_to, pose.y)
+    travel = free_travel(
+        brain.region, pose, target, memory.tracks.all, brain.time, keep=APART + 0.05
+    )
+    ahead = (pose.x - 1.6, pose.x) if leftwards else (pose.x, pose.x + 1.6)
+    if travel < 0.05 or hidden_between(brain, *ahead):
+        return False
+    command.motion = drive(pose, target, travel, brain.settings.limits, 0.4)
+    return True
