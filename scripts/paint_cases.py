@@ -42,6 +42,22 @@ process of its own, a laser of 180 degrees, a blobfinder and odometry in its own
 is told the region's shape and the number of robots. Times are simulated; a test's time is that of
 its slowest robot. P robots have the world's axes, N robots axes turned by 180 degrees.
 
+## What bodies add
+
+The paper's robots are points that see everything at once. Of these robots one in view hides
+others, and `controllers/paint` adds to the paper's three steps what that takes:
+
+- Rank: a robot keeps bounds on how many are above and below it, which never expire because all
+  keep the order; a grid of the places where an unseen robot may be says how many more there can
+  be. It goes when the bounds meet. Until then it looks around, steps aside along its row to where
+  it sees most, and goes up or down as far as every rank it may have leads.
+- Robots on one line hide each other for good. Who stays hidden behind a robot at exactly the own
+  height for a minute is taken to be on that line as well: the one thing that is taken for true
+  without being seen.
+- A robot that waits steps aside, so as not to stand in others' view; where it has no room to turn
+  it slides. It paints once no strip that it sees holds two robots, which may still be looking.
+- Two heights that differ by less than a millimetre are equal, and x decides.
+
 """
 
 

@@ -10,11 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.paint.boustrophedon import lanes
+from controllers.paint.compute import crowded_strip
 from controllers.paint.constants import HALF, OVERLAP, SPRAYER
 from controllers.paint.geometry import Region, rectangle
 from controllers.paint.hidden import CELL, Shadows
 from controllers.paint.options import parse
 from controllers.paint.ranking import RankBounds
+from controllers.paint.squares import Square
+from controllers.paint.tracks import Tracks
 
 CONVEX = Region(np.array([[3, 0.5], [13, 0.5], [15.5, 9], [13, 20.5], [5, 20.5], [0.5, 12.0]]))
 
@@ -59,6 +62,65 @@ def test_nobody_unseen_crosses_the_row_of_a_robot_that_stays_on_it() -> None:
     shadows.spread(62.0)  # 2 s at 0.5 m/s are 1 m, and up to one cell ahead of time
     reached = shadows.y[shadows.possible.any(axis=1)].max()
     assert 1.0 - CELL <= reached <= 1.0 + CELL
+
+
+def test_nobody_unseen_crosses_the_row_when_it_moves() -> None:
+    region = rectangle(16.0, 21.0).moved(np.array([-8.0, -10.0]))
+    shadows = Shadows(region, 0.5)
+    shadows.possible[(shadows.y > 0.0) & (shadows.y < 3.0)] = False  # who is above is far up
+    for k in range(41):  # 2 m up, at 0.5 m/s, seen free
+        shadows.move_row(0.05 * k)
+        shadows.possible[(shadows.y > 0.05 * k) & (shadows.y < 3.0)] = False
+        shadows.spread(0.1 * k)
+    assert shadows.room_above(2.0) > 0
+    below = shadows.possible[shadows.y < 2.0]
+    assert below.any()
+    shadows.possible[shadows.y > 2.0] = False
+    shadows.spread(60.0)
+    assert shadows.room_above(2.0) == 0  # those below stay below
+
+
+def _square(x: float, y: float, vague: float = 0.0, certain: bool = True) -> Square:
+    return Square((x - vague, x + vague), (y - vague, y + vague), True, certain, 0.0)
+
+
+def _followed(*scans: list[Square]) -> Tracks:
+    tracks = Tracks(0.5)
+    for k, squares in enumerate(scans):
+        tracks.update(squares, 0.1 * k, 0.0, 0.0)
+    tracks.tell_apart()
+    return tracks
+
+
+def test_two_tracks_nearer_than_two_bodies_can_be_count_as_one() -> None:
+    seen = [_square(3.0, 2.0), _square(3.3, 2.55)]
+    tracks = _followed(seen, seen, seen, seen)
+    assert len(tracks.sure) == 1
+    assert len(tracks.doubtful) == 1
+    seen = [_square(3.0, 2.0), _square(3.0, 3.05)]
+    tracks = _followed(seen, seen, seen, seen)
+    assert len(tracks.sure) == 2
+
+
+def test_a_sliver_never_takes_the_track_of_a_robot_in_full_view() -> None:
+    robot, sliver = _square(-6.6, -0.6), _square(-5.3, 0.0, 0.7, certain=False)
+    tracks = _followed([robot], [robot], [robot], [sliver, robot], [sliver, robot])
+    (track,) = tracks.sure
+    assert track.centre == (-6.6, -0.6)
+    assert len(tracks.all) == 2
+    assert not tracks.all[1].confirmed  # slivers do not count, however often they are seen
+
+
+@pytest.mark.parametrize(
+    ("heights", "strip"),
+    [([1.0, 6.0, 12.0, 17.0], None), ([1.0, 5.24, 12.0], 1), ([1.0, 5.26, 12.0], None)],
+)
+def test_a_strip_is_crowded_where_two_robots_are_in_it(
+    heights: list[float], strip: int | None
+) -> None:
+    assert crowded_strip(heights, 4, 0.0, 21.0) == strip
+    shifted = [y - 7.0 for y in heights]
+    assert crowded_strip(shifted, 4, -7.0, 14.0) == strip
 
 
 @settings(deadline=None)

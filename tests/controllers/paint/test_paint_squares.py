@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from controllers.paint.geometry import Pose, rectangle
 from controllers.paint.observe import GREEN, RED, see_robots, take_scan
-from controllers.paint.squares import Square
+from controllers.paint.squares import Square, fit_square, may_be_one
 from controllers.paint.tracks import LAG
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
@@ -82,3 +82,36 @@ def test_a_standing_robot_that_is_nearly_level_is_bounded_exactly(
     assert square.x[1] - square.x[0] < 1e-6  # the upright face gives x
     # The rays beside it bound its height by their spacing, 1 degree, at its far side.
     assert square.y[1] - square.y[0] <= math.radians(1.0) * (distance + 1.0)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.integers(2, 10), st.integers(0, 5), st.floats(1.31, 1.75),
+    st.floats(3.0, 14.0), st.floats(1.0, 20.0), st.sampled_from([0.0, math.pi]),
+)  # fmt: skip
+def test_a_column_of_robots_seen_at_a_slant_is_not_cut_at_the_wrong_places(
+    count: int, first: int, spacing: float, x: float, y: float, yaw: float
+) -> None:
+    # Rays may miss the gaps between robots that stand above each other by a wall.
+    heights = [h for k in range(count) if (h := 0.6 + (first + k) * spacing) < 20.4]
+    poses = np.array([[x, y, 0.0], *[[0.6, h, 0.0] for h in heights]])
+    for square in sights(poses, math.pi):
+        if square.certain:
+            assert min(beyond(square, pose) for pose in poses[1:]) <= LAG
+
+
+def test_a_corner_of_a_leaning_robot_is_not_taken_for_one_above() -> None:
+    # Two points at the view's edge, on the upper face of a robot that leans by 6 degrees.
+    points = np.array([[3.3715, 0.0028], [3.6569, 0.0317]])
+    square = fit_square(points, (2.041, 0.0), (None, None))
+    assert square is not None
+    assert not square.certain
+    assert beyond(square, np.array([3.533, -0.483])) <= 0.05  # the step of the tilts tried, 2 deg
+
+
+def test_sightings_whose_bounds_meet_may_be_one_robot() -> None:
+    whole = Square((3.0, 3.0), (2.0, 2.1), True, True, 0.0)
+    piece = Square((2.9, 3.6), (1.5, 2.0), False, False, 0.0)
+    beside = Square((4.05, 4.05), (2.0, 2.1), True, True, 0.0)
+    assert may_be_one(whole, piece)
+    assert not may_be_one(whole, beside)
