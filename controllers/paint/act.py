@@ -27,7 +27,8 @@ COUNTING = 60.0
 """For so long (s) a robot that has painted looks for robots that it never saw."""
 
 CROWD = 6
-"""Of more robots than this, some may always be hidden: not to have seen them is no failure."""
+"""Of more robots than this, some may always be hidden: not to have seen them is no failure, nor is
+to have taken two sightings of one for two, once the own rank is known."""
 
 STILL = 900.0
 """A robot at its goal begins to paint once no strip that it sees holds two robots, or after this
@@ -54,10 +55,11 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
     """One reading's worth of whatever phase the robot is in."""
     memory = brain.memory
     if memory.phase in (Phase.OBSERVING, Phase.GOING, Phase.AT_GOAL):
-        if memory.doubt_since is not None and brain.time - memory.doubt_since > DOUBT:
+        rank_open = memory.phase is Phase.OBSERVING
+        doubtful = memory.doubt_since is not None and brain.time - memory.doubt_since > DOUBT
+        if doubtful and (rank_open or brain.settings.robots <= CROWD):
             fail(brain, command, memory.doubt)
             return
-        rank_open = memory.phase is Phase.OBSERVING
         if brain.time > brain.settings.patience and rank_open:
             fail(brain, command, f"my rank among {brain.settings.robots} robots is still open")
             return
