@@ -56,7 +56,7 @@ others, and `controllers/paint` adds to the paper's three steps what that takes:
   without being seen.
 - A robot that waits steps aside, so as not to stand in others' view; where it has no room to turn
   it slides. It paints once no strip that it sees holds two robots, which may still be looking.
-- Two heights that differ by less than a millimetre are equal, and x decides.
+- Two heights that differ by less than two millimetres are equal, and x decides.
 
 """
 

@@ -10,11 +10,18 @@ from .clearance import hidden_on_row, others, reachable, unseen_limit
 from .compute import Act, Decision, Side, decide
 from .constants import APART, EPSILON, HALF, INSET, WALL_ROOM
 from .memory import Phase
-from .move import BOTH_TURN_RADIUS, drive, free_travel, looks_at, passing_height
+from .move import (
+    BOTH_TURN_RADIUS,
+    drive,
+    free_travel,
+    looks_at,
+    passing_height,
+    room_to_turn,
+)
 from .speak import fail, say
 from .task import task_of
 from .turning import side_gaze, turning
-from .waiting import BERTH, make_room, wait
+from .waiting import BERTH, make_room, step_aside, wait
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -30,6 +37,7 @@ BLIND = 8.0
 _LAST_BIT = BOTH_TURN_RADIUS - EPSILON + 0.2
 """Where the goal's row is too near to a wall or to a robot to turn on, the robot turns this far
 before it (m): farther from either than it needs to turn."""
+_NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
 _FINAL_TURN = (1.0, 2.3)  # m before the goal at which robots of even and odd ranks turn round
 
 
@@ -118,6 +126,8 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
 
 def _climb(brain: Brain, command: Command, decision: Decision) -> None:
     memory, pose, task = brain.memory, brain.pose, brain.task
+    if _aside_first(brain, command):
+        return
     upwards = decision.target[1] > pose.y
     side = side_gaze(brain)
     remaining = abs(task.goal[1] - pose.y)
@@ -141,9 +151,27 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
 
 def _roomy(brain: Brain, x: float, y: float) -> bool:
     """Whether there is room to turn at a place, for all that is known."""
-    return brain.region.depth_at(x, y) > WALL_ROOM and not any(
-        math.dist((x, y), track.centre) < BOTH_TURN_RADIUS for track in brain.memory.tracks.all
+    region = brain.region
+    return region.depth_at(x, y) > WALL_ROOM and all(
+        room_to_turn(region, x, y, track) for track in brain.memory.tracks.all
     )
+
+
+def _aside_first(brain: Brain, command: Command) -> bool:
+    """Beside who stands near the goal's row it could not turn there: go up or down farther off."""
+    memory, pose, height = brain.memory, brain.pose, brain.task.goal[1]
+    if memory.step_to is None and _NEAR > abs(height - pose.y) > _BEGUN:
+        if _roomy(brain, pose.x, height) or brain.region.depth_at(pose.x, height) < WALL_ROOM:
+            return False
+        places = look.row_places(brain.region, pose, memory.tracks.all, brain.time)
+        places = [x for x in places if _roomy(brain, x, height)]
+        if places:
+            memory.step_to = min(places, key=lambda x: abs(x - pose.x))
+    if memory.step_to is not None:
+        if abs(pose.x - memory.step_to) > 0.05 and step_aside(brain, command):
+            return True
+        memory.step_to = None
+    return False
 
 
 def _beside_edge(brain: Brain, height: float) -> float:

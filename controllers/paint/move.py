@@ -93,6 +93,15 @@ def may_turn(
     return True
 
 
+def room_to_turn(region: Region, x: float, y: float, track: Track) -> bool:
+    """Whether a robot is far enough from a place to turn there, as `may_turn` takes it."""
+    dx, dy = abs(track.centre[0] - x), abs(track.centre[1] - y)
+    face = math.hypot(max(0.0, dx - HALF), max(0.0, dy - HALF))
+    if can_turn(region, *track.centre):
+        return math.hypot(dx, dy) > BOTH_TURN_RADIUS and face > NEAR_TURNER
+    return math.hypot(dx, dy) > TURN_RADIUS and face + TURNING - HALF > NEAR_TURNER
+
+
 def keep_of(region: Region, track: Track) -> float:
     """Half the width of the square around a robot that this one stays out of."""
     if not can_turn(region, *track.centre):

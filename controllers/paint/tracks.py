@@ -37,6 +37,10 @@ LAG = 0.3
 """Narrowed bounds may be off by up to this (m) when the robot has begun to move: a face seen at a
 slant bounds its place along the face only loosely, and a look that fits the bounds narrows them."""
 
+LEFT_ROW = 0.01
+"""A level robot that is no farther off the row than this (m) has not left it: who steps aside along
+its row strays from it by a millimetre or two."""
+
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
 _TWO = BODY - _GATE
@@ -231,11 +235,15 @@ def _side(track: Track, y: float) -> Side:
     say otherwise: then this is not the robot that it was taken for.
     """
     fresh = _side_by_bounds(track, y)
-    if track.side is Side.LEVEL and fresh is Side.UNSURE:
+    if track.side is Side.LEVEL and (fresh is Side.UNSURE or _still_on_row(track, y)):
         return Side.LEVEL  # nobody leaves the row without that it shows
     if track.side in (Side.ABOVE, Side.BELOW) and (fresh is Side.UNSURE or not track.sharp):
         return track.side
     return fresh
+
+
+def _still_on_row(track: Track, y: float) -> bool:
+    return track.y[0] - y < LEFT_ROW and y - track.y[1] < LEFT_ROW
 
 
 def _side_by_bounds(track: Track, y: float) -> Side:

@@ -23,6 +23,10 @@ After each further while it steps to anywhere on its row: where it stands may be
 others from each other, of whom it waits for one.
 """
 
+ROW_BREADTH = 0.02
+"""A robot that has not gone up or down yet is this near to its row (m), and comes back to it with
+each step: level robots have to stay level."""
+
 BERTH = 0.4
 """A robot that gives another berth on its row (m) is still on it."""
 
@@ -40,7 +44,7 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
         memory.step_to = _where_to_wait(brain, memory.stepped_at < since, blocker)
         memory.stepped_at = brain.time
     if memory.step_to is not None:
-        if abs(pose.x - memory.step_to) > 0.3 and _step_aside(brain, command):
+        if abs(pose.x - memory.step_to) > 0.3 and step_aside(brain, command):
             return
         memory.step_to = None
     if blocker is not None and blocker.side is Side.UNSURE:
@@ -68,7 +72,7 @@ def make_room(brain: Brain, command: Command) -> None:
         places = look.row_places(brain.region, pose, memory.tracks.all, brain.time)
         memory.step_to = places[int(brain.draw() * len(places))]
     if memory.step_to is not None and (
-        abs(pose.x - memory.step_to) < 0.3 or not _step_aside(brain, command)
+        abs(pose.x - memory.step_to) < 0.3 or not step_aside(brain, command)
     ):
         memory.step_to = None
 
@@ -95,7 +99,7 @@ def _next_gaze(brain: Brain) -> float:
     return (look.LEFT, look.RIGHT)[memory.looks // 2 % 2]
 
 
-def _step_aside(brain: Brain, command: Command) -> bool:
+def step_aside(brain: Brain, command: Command) -> bool:
     """Go on with a step along the row, out of the others' view; false if that is not possible."""
     memory, pose = brain.memory, brain.pose
     assert memory.step_to is not None
@@ -103,7 +107,8 @@ def _step_aside(brain: Brain, command: Command) -> bool:
     gaze = look.LEFT if leftwards else look.RIGHT
     if not looks_at(pose, gaze) and turning(brain, command, gaze):
         return True  # where there is no room to turn, it slides to where it knows nobody to be
-    target = (memory.step_to, pose.y)
+    on_start = abs(pose.y - memory.row) < ROW_BREADTH
+    target = (memory.step_to, memory.row if on_start else pose.y)
     travel = free_travel(
         brain.region, pose, target, memory.tracks.all, brain.time, keep=APART + 0.05
     )
