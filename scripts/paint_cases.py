@@ -1,6 +1,7 @@
 """Reproduce the results of the paper on Paint: write docs/results/paint.md and its pictures.
 
-    scripts/paint_cases [--tests N] [--jitter S] [--speeds V V] [--swarms N] [--out FOLDER]
+    scripts/paint_cases [--tests N] [--jitter S] [--speeds V V] [--worlds NAME ...] [--swarms N]
+                        [--out FOLDER]
 
 Runs the paper's three cases, N tests each (5, as in its section 5), at both speeds, as far as the
 goals, and with painting all again at the higher speed and one at the lower; then every world.
@@ -169,10 +170,10 @@ def cases(tests: int, whole: int, speed: float, jitter: float, folder: Path | No
     return text
 
 
-def worlds(folder: Path) -> str:
+def worlds(kinds: Sequence[str], folder: Path) -> str:
     """One run of each world, with painting, and its picture strip."""
     rows, strips = [], ""
-    for kind in KINDS:
+    for kind in kinds:
         with tempfile.TemporaryDirectory() as name:
             video = Path(name) / "run.mp4"
             path = ROOT / "worlds" / f"paint_{kind}.yaml"
@@ -252,7 +253,9 @@ def main() -> None:
     options.add_argument("--speeds", type=float, nargs="+", default=SPEEDS, help="m/s")
     options.add_argument("--swarms", type=int, default=0, help="placements per swarm")
     options.add_argument("--scenes", type=int, default=1000, help="scenes for perception")
-    options.add_argument("--no-worlds", action="store_true", help="leave out the whole runs")
+    options.add_argument(
+        "--worlds", nargs="*", default=KINDS, choices=KINDS, help="those run whole, with painting"
+    )
     options.add_argument("--out", type=Path, default=ROOT / "docs" / "results")
     given = options.parse_args()
     folder = given.out / "paint"
@@ -266,8 +269,8 @@ def main() -> None:
         page.add(cases(given.tests, whole, speed, given.jitter, folder if k == 0 else None))
     page.add(FIGURES)
     page.add(perception(given.scenes))
-    if not given.no_worlds:
-        page.add(worlds(folder))
+    if given.worlds:
+        page.add(worlds(given.worlds, folder))
     if given.swarms:
         page.add(swarms(given.swarms, given.jitter))
     print(page.path)
