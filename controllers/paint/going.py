@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from . import look
 from .clearance import hidden_on_row, others, reachable, unseen_limit
 from .compute import Act, Decision, Side, decide
-from .constants import APART, EPSILON, HALF, INSET, WALL_ROOM
+from .constants import APART, HALF, INSET, WALL_ROOM
 from .memory import Phase
 from .move import (
-    BOTH_TURN_RADIUS,
     drive,
     free_travel,
     looks_at,
@@ -34,9 +33,8 @@ BLIND = 8.0
 """On the last bit, which it goes without looking, a robot takes into account who it saw this long
 (s) ago: who turns there has done so by then, and has seen it come."""
 
-_LAST_BIT = BOTH_TURN_RADIUS - EPSILON + 0.2
-"""Where the goal's row is too near to a wall or to a robot to turn on, the robot turns this far
-before it (m): farther from either than it needs to turn."""
+_LAST_BIT = WALL_ROOM - INSET + 0.25
+"""Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
 _NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
 _FINAL_TURN = (1.0, 2.3)  # m before the goal at which robots of even and odd ranks turn round
 
@@ -133,7 +131,7 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
     remaining = abs(task.goal[1] - pose.y)
     if side is not None:
         gaze = side
-    elif remaining > _LAST_BIT or _roomy(brain, pose.x, task.goal[1]):
+    elif remaining > _LAST_BIT or brain.region.depth_at(pose.x, task.goal[1]) > WALL_ROOM:
         gaze = look.UP if upwards else look.DOWN
     else:
         gaze = look.LEFT
