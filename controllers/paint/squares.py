@@ -122,11 +122,11 @@ def _straight(
             return None
         return _one_face(points, axis, towards[axis], bounds[1 - axis], eye, passes)
     if (on_x | on_y).all() and all(towards[k] * (centre[k] - eye[k]) > HALF for k in (0, 1)):
-        misfit = float(np.minimum(off[:, 0], off[:, 1]).max())
-        span = float((high - low).max())
-        if misfit <= min(EXACT, _UPRIGHT * span) and len(points) > 2:  # else it may be turning
+        exactly = off <= min(EXACT, _UPRIGHT * float((high - low).max()))
+        # Two points and a corner fit some square that is turning, three points on a face do not.
+        if exactly.any(axis=1).all() and exactly.sum(axis=0).max() > 2:
             x, y = float(centre[0]), float(centre[1])
-            return Square((x, x), (y, y), True, True, misfit)
+            return Square((x, x), (y, y), True, True, float(off.min(axis=1).max()))
     return None
 
 

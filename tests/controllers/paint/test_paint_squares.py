@@ -109,6 +109,15 @@ def test_a_corner_of_a_leaning_robot_is_not_taken_for_one_above() -> None:
     assert beyond(square, np.array([3.533, -0.483])) <= 0.05  # the step of the tilts tried, 2 deg
 
 
+def test_two_points_and_a_corner_of_a_turning_robot_are_not_an_upright_one() -> None:
+    # Three points at the view's edge; a robot that stands upright half a body lower fits as well.
+    points = np.array([[2.9856, -0.3914], [2.9853, -0.2142], [3.0234, -0.0373]])
+    square = fit_square(points, (-7.0996, 0.0), (None, None))
+    assert square is not None
+    assert not square.straight
+    assert beyond(square, np.array([3.543, 0.0])) <= 0.05  # the step of the tilts tried, 2 deg
+
+
 def test_sightings_whose_bounds_meet_may_be_one_robot() -> None:
     whole = Square((3.0, 3.0), (2.0, 2.1), True, True, 0.0)
     piece = Square((2.9, 3.6), (1.5, 2.0), False, False, 0.0)
