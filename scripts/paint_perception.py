@@ -6,25 +6,12 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from paint_scene import REGION, look
 
-from controllers.paint.geometry import Pose, rectangle
-from controllers.paint.observe import GREEN, RED, Scan, see_robots, take_scan
+from controllers.paint.observe import Scan, see_robots
 from controllers.paint.squares import Square
-from sensors.rays import bearings_of, cast
-from sensors.scene import Scene
 
-REGION = rectangle(16.0, 21.0)
-BODY = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 OUTSIDE = 0.1  # m: so far beyond its bounds a robot counts as out of them
-
-
-@dataclass(frozen=True)
-class Patch:
-    """A run of one colour in the image."""
-
-    color: int
-    left: int
-    right: int
 
 
 @dataclass
@@ -46,7 +33,7 @@ def errors(scenes: int, tilted: bool, seed: int = 1) -> Errors:
     found = Errors()
     for _ in range(scenes):
         robots = place(rng, tilted)
-        squares, scan = look(robots, rng.uniform(-math.pi, math.pi))
+        squares, scan = see(robots, rng.uniform(-math.pi, math.pi))
         for square in squares:
             gaps = np.hypot(*(robots[1:, :2] - square.centre).T)
             true = robots[1 + int(np.argmin(gaps)), :2]
@@ -72,20 +59,7 @@ def place(rng: np.random.Generator, tilted: bool) -> np.ndarray:
     return np.column_stack([xy, rng.uniform(-math.pi, math.pi, 4) if tilted else quarter])
 
 
-def look(robots: np.ndarray, yaw: float) -> tuple[list[Square], Scan]:
+def see(robots: np.ndarray, yaw: float) -> tuple[list[Square], Scan]:
     """What the first robot sees of the others when it looks in a direction."""
-    scene = Scene()
-    walls = scene.add_entity(color=RED)
-    corners = REGION.corners
-    scene.add_segments(walls, np.hstack([corners, np.roll(corners, -1, axis=0)]))
-    for robot in robots:
-        scene.add_polygon(scene.add_entity(color=GREEN, pose=robot), BODY)
-    scene.refresh()
-    eye = np.array([[robots[0, 0], robots[0, 1], yaw]])
-    ranges, _ = cast(scene, eye, np.array([1]), math.pi, 180, 20.0)
-    _, hits = cast(scene, eye, np.array([1]), math.pi, 160, 20.0)
-    colors = np.array([0, RED, *[GREEN] * len(robots)])[hits[0, ::-1] + 1]
-    blobs = [Patch(int(c), k, k) for k, c in enumerate(colors) if c]
-    pose = Pose(float(eye[0, 0]), float(eye[0, 1]), yaw)
-    scan = take_scan(pose, ranges[0], bearings_of(math.pi, 180), 20.0, blobs, 160)
+    scan = look(robots, yaw)
     return see_robots(scan, REGION.depth(scan.points)), scan

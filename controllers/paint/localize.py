@@ -16,7 +16,10 @@ from .geometry import Floats, Region
 ON_WALL = 0.05
 """A point this near to the boundary is on it (m): the laser's noise, 5 times 0.01 m."""
 
-_PROBES = 16  # points tried as contacts of an edge, in pairs
+OUTSIDE = 0.01
+"""Nothing is seen through a wall: no more than this share of the points may be outside."""
+
+_PROBES = 16  # points tried as contacts of an edge, in pairs, besides those farthest out
 _JUDGES = 48  # points that judge a candidate
 
 
@@ -33,8 +36,8 @@ def locate(points: Floats, shape: Region) -> Fit | None:
     """The region in the own frame, from wall points (n, 2) of that frame; None if not certain yet.
 
     `shape` is the known polygon in any frame with parallel axes. The robot stands at the
-    origin. Certain means that nine in ten points fit, that two walls that are not parallel were
-    hit, and that no other place or orientation fits nearly as well.
+    origin. Certain means that nine in ten points fit and none is outside, that two walls that are
+    not parallel were hit, and that no other place or orientation fits nearly as well.
     """
     if len(points) < _PROBES:
         return None
@@ -61,15 +64,16 @@ def _best(points: Floats, shape: Region) -> Fit | None:
     normals, offsets = shape.normals, shape.offsets
     probes = points[np.linspace(0, len(points) - 1, _PROBES).astype(int)]
     judges = points[np.linspace(0, len(points) - 1, min(_JUDGES, len(points))).astype(int)]
-    reach = probes @ normals.T  # (probes, edges)
+    # Of an edge that was hit at all the points farthest out are on it.
+    reach = np.vstack([(points @ normals.T).min(axis=0), probes @ normals.T])  # (probes, edges)
     candidates = []
     for a in range(len(offsets)):
         for b in range(a + 1, len(offsets)):
             pair = normals[[a, b]]
             if abs(np.linalg.det(pair)) < 0.1:
                 continue
-            first = np.repeat(reach[:, a] - offsets[a], _PROBES)
-            second = np.tile(reach[:, b] - offsets[b], _PROBES)
+            first = np.repeat(reach[:, a] - offsets[a], len(reach))
+            second = np.tile(reach[:, b] - offsets[b], len(reach))
             candidates.append(np.stack([first, second]).T @ np.linalg.inv(pair).T)
     if not candidates:
         return None
@@ -80,14 +84,16 @@ def _best(points: Floats, shape: Region) -> Fit | None:
         return None
     shifts, limits = shifts[limits_ok], limits[limits_ok]
     depths = (judges @ normals.T)[None, :, :] - limits[:, None, :]
-    counts = (np.abs(depths.min(axis=2)) < ON_WALL).sum(axis=1)
+    least = depths.min(axis=2)
+    counts = (np.abs(least) < ON_WALL).sum(axis=1) - len(judges) * (least < -ON_WALL).sum(axis=1)
     shift = _refined(points, shape, shifts[int(np.argmax(counts))])
     if shift is None:
         return None
     region = shape.moved(shift)
-    distance = np.abs(region.depth(points))
+    depth = region.depth(points)
+    distance = np.abs(depth)
     near = distance < ON_WALL
-    if not near.any():
+    if not near.any() or (depth < -ON_WALL).mean() > OUTSIDE:
         return None
     return Fit(region, float(near.mean()), float(np.sqrt(np.mean(distance[near] ** 2))))
 

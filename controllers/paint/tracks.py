@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from .compute import Side
 from .constants import BODY, LEVEL
+from .pairing import paired, swapped
 from .squares import EXACT, Square
 
 CONFIRMED = 3
@@ -105,7 +106,9 @@ class Tracks:
         """Take in a scan's sightings, made at (x, y); returns the tracks given up, if any."""
         for track in self.all:
             track.reach = (time - track.seen) * self.speed
-        pairs = self._pairing(squares, y)
+        options = [_options(square, self.all, y) for square in squares]
+        pairs = paired(options, [square.certain for square in squares])
+        self._confuse(options, pairs)
         self.sightings = []
         for j, square in enumerate(squares):
             if j in pairs:
@@ -127,6 +130,25 @@ class Tracks:
         self.all = kept
         return [track for track in lost if track.confirmed]
 
+    def _confuse(self, options: Sequence[Sequence[int]], pairs: dict[int, int]) -> None:
+        """Who was left unpaired may be the one that was paired in its place: be as vague as that.
+
+        That holds only among those that were out of view: who was just seen is where it was.
+        """
+        away = {i for i, track in enumerate(self.all) if track.reach > SAME}
+        before = [(track.x, track.y, track.side, track.reach) for track in self.all]
+        for k in away.difference(pairs.values()):
+            track = self.all[k]
+            for i in swapped(k, options, pairs) & away:
+                x, y, side, reach = before[i]
+                track.x = min(track.x[0], x[0]), max(track.x[1], x[1])
+                track.y = min(track.y[0], y[0]), max(track.y[1], y[1])
+                track.reach = max(track.reach, reach)
+                track.seen = min(track.seen, self.all[i].seen)
+                track.sharp = False
+                if side is not track.side or side is Side.LEVEL:
+                    track.side = Side.UNSURE
+
     def drop(self, track: Track) -> None:
         """Stop following a robot that turned out not to be where it could be."""
         self.all = [other for other in self.all if other is not track]
@@ -141,40 +163,20 @@ class Tracks:
             apart = all(_gap(track, other) >= _TWO for other in self.sure)
             (self.sure if apart else self.doubtful).append(track)
 
-    def _pairing(self, squares: Sequence[Square], y: float) -> dict[int, int]:
-        """Sighting to track, so that as many as possible are paired; near pairs first."""
-        options: list[list[int]] = []
-        for square in squares:
-            gaps = []
-            cx, cy = square.centre
-            for i, track in enumerate(self.all):
-                gap = track.distance(cx, cy) - square.error - _GATE - LAG
-                wrong_side = (track.side is Side.ABOVE and square.y[1] < y - _GATE) or (
-                    track.side is Side.BELOW and square.y[0] > y + _GATE
-                )
-                if gap <= 0.0 and not wrong_side:
-                    tx, ty = track.centre
-                    gaps.append((math.hypot(tx - cx, ty - cy), i))
-            options.append([i for _, i in sorted(gaps)])
-        owner: dict[int, int] = {}
 
-        def place(j: int, tried: set[int]) -> bool:
-            for i in options[j]:
-                if i not in tried:
-                    tried.add(i)
-                    if i not in owner or place(owner[i], tried):
-                        owner[i] = j
-                        return True
-            return False
-
-        certain = [j for j, square in enumerate(squares) if square.certain]
-        for j in sorted(certain, key=lambda j: len(options[j])):
-            place(j, set())
-        for j in set(range(len(squares))).difference(certain):  # a sliver takes what is left
-            free = [i for i in options[j] if i not in owner]
-            if free:
-                owner[free[0]] = j
-        return {j: i for i, j in owner.items()}
+def _options(square: Square, tracks: Sequence[Track], y: float) -> list[int]:
+    """Which tracks' robot a sighting made at the height y may be, the nearest first."""
+    near = []
+    cx, cy = square.centre
+    for i, track in enumerate(tracks):
+        gap = track.distance(cx, cy) - square.error - _GATE - LAG
+        wrong_side = (track.side is Side.ABOVE and square.y[1] < y - _GATE) or (
+            track.side is Side.BELOW and square.y[0] > y + _GATE
+        )
+        if gap <= 0.0 and not wrong_side:
+            tx, ty = track.centre
+            near.append((math.hypot(tx - cx, ty - cy), i))
+    return [i for _, i in sorted(near)]
 
 
 def _gap(one: Track, other: Track) -> float:

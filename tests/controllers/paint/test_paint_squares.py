@@ -8,36 +8,17 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.paint.geometry import Pose, rectangle
-from controllers.paint.observe import GREEN, RED, see_robots, take_scan
+from controllers.paint.observe import see_robots
 from controllers.paint.squares import Square, fit_square, may_be_one
 from controllers.paint.tracks import LAG
-from sensors.rays import bearings_of, cast
-from sensors.scene import Scene
-from tests.papers.paint_bench import SQUARE, blobs_of
-
-REGION = rectangle(16.0, 21.0)
+from scripts.paint_scene import REGION, look
 
 robots = st.tuples(st.floats(1.0, 15.0), st.floats(1.0, 20.0), st.floats(-math.pi, math.pi))
 
 
 def sights(poses: np.ndarray, yaw: float) -> list[Square]:
     """What a robot at the first pose's place, heading `yaw`, sees of the others."""
-    scene = Scene()
-    walls = scene.add_entity(color=RED)
-    corners = REGION.corners
-    scene.add_segments(walls, np.hstack([corners, np.roll(corners, -1, axis=0)]))
-    for pose in poses:
-        scene.add_polygon(scene.add_entity(color=GREEN, pose=pose), SQUARE)
-    scene.refresh()
-    eye = np.array([[poses[0, 0], poses[0, 1], yaw]])
-    ranges, _ = cast(scene, eye, np.array([1]), math.pi, 180, 20.0)
-    _, hits = cast(scene, eye, np.array([1]), math.pi, 160, 20.0)
-    colors = np.array([0, RED, *[GREEN] * len(poses)])[hits[0, ::-1] + 1]
-    scan = take_scan(
-        Pose(float(eye[0, 0]), float(eye[0, 1]), yaw),
-        ranges[0], bearings_of(math.pi, 180), 20.0, blobs_of(colors), 160,
-    )  # fmt: skip
+    scan = look(poses, yaw)
     return see_robots(scan, REGION.depth(scan.points))
 
 
