@@ -20,7 +20,7 @@ from .move import (
 from .speak import fail, say
 from .task import task_of
 from .turning import side_gaze, turning
-from .waiting import BERTH, make_room, step_aside, wait
+from .waiting import BERTH, PATIENT, make_room, step_aside, wait
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -189,6 +189,16 @@ def final_turn(brain: Brain) -> float:
     return _FINAL_TURN[brain.memory.bounds.below[0] % 2 if high - low < 2 * APART else 0]
 
 
+def held_up(brain: Brain, travel: float) -> bool:
+    """Whether who is beside its way, and may turn there, has kept it from crossing for long."""
+    memory = brain.memory
+    if travel > 0.05 or memory.row_clear:
+        memory.held_since = None
+    elif memory.held_since is None:
+        memory.held_since = brain.time
+    return memory.held_since is not None and brain.time - memory.held_since > PATIENT
+
+
 def _cross(brain: Brain, command: Command) -> None:
     memory, pose, task = brain.memory, brain.pose, brain.task
     left = pose.x - task.goal[0]
@@ -215,5 +225,8 @@ def _cross(brain: Brain, command: Command) -> None:
         target = (pose.x, height)
     recent = BLIND if memory.row_clear else 3.0
     travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time, recent=recent)
+    if held_up(brain, travel) or memory.step_to is not None:
+        make_room(brain, command)
+        return
     settle = 0.2 if aim_x == task.goal[0] else 0.3
     command.motion = drive(pose, target, travel, brain.settings.limits, settle)

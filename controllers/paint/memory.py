@@ -113,6 +113,9 @@ class Memory:
     waiting_since: float | None = None
     """Since when it has waited: after a while it steps out of the others' view."""
 
+    held_since: float | None = None
+    """Since when somebody beside its row has held it up on its way along it."""
+
     waits: int = 0
     """How often it had to wait, for the report."""
 

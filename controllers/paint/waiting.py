@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from . import look
 from .clearance import hidden_between
 from .compute import Decision, Other, Side
-from .constants import APART
+from .constants import APART, BODY
 from .move import drive, free_travel, looks_at
 from .poring import fine_look
 from .turning import side_gaze, turning
@@ -65,7 +65,7 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
 
 
 def make_room(brain: Brain, command: Command) -> None:
-    """Between others it can neither turn nor see its way: step aside to where it can turn."""
+    """Between others it can neither turn nor go on: step aside along its row, to anywhere."""
     memory, pose = brain.memory, brain.pose
     if memory.step_to is None and brain.time - memory.stepped_at > PATIENT:
         memory.stepped_at = brain.time
@@ -78,7 +78,10 @@ def make_room(brain: Brain, command: Command) -> None:
 
 
 def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | None:
-    """Where on its row to step to: to the wall, to anywhere, or for the best view of its way."""
+    """Where on its row to step to: to the wall, to anywhere, or for the best view of its way.
+
+    From who is on its row itself it goes away, as far as it can.
+    """
     pose, tracks = brain.pose, brain.memory.tracks.all
     places = look.row_places(brain.region, pose, tracks, brain.time)
     if blocker is None:
@@ -86,6 +89,8 @@ def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | 
         return look.step_for_view(
             pose, places, tracks, brain.shadows, (upwards, not upwards), brain.draw()
         )
+    if abs(blocker.y - pose.y) < BODY:  # nothing fits behind it there that the other cannot see
+        return max(places, key=lambda x: abs(x - blocker.x))
     return min(places) if first else sorted(places)[int(brain.draw() * len(places))]
 
 
