@@ -66,9 +66,8 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
     new_cycle = brain.time >= memory.next_cycle
     if new_cycle:
         memory.next_cycle = brain.time + brain.draw() * brain.settings.jitter
-    under_way = memory.step_to is not None or memory.nearing
     if memory.phase is Phase.OBSERVING:
-        if new_cycle and memory.bounds.rank is not None and not under_way:
+        if new_cycle and memory.bounds.rank is not None and not memory.nearing:
             going.set_out(brain, command)
         else:
             observe(brain, scan, command, new_cycle)

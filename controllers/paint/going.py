@@ -33,6 +33,9 @@ BLIND = 8.0
 """On the last bit, which it goes without looking, a robot takes into account who it saw this long
 (s) ago: who turns there has done so by then, and has seen it come."""
 
+STANDING = 3.0
+"""Who has not moved for this long (s) is taken to stand there."""
+
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
 _NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
@@ -50,6 +53,7 @@ def set_out(brain: Brain, command: Command) -> None:
         fail(brain, command, str(error))
         return
     memory.phase = Phase.GOING
+    memory.step_to = None
     brain.shadows.on_row = False
     memory.next_cycle = brain.time
     command.report["rank"] = rank
@@ -148,10 +152,11 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
 
 
 def _roomy(brain: Brain, x: float, y: float) -> bool:
-    """Whether there is room to turn at a place, for all that is known."""
+    """Whether there is room to turn at a place beside all that stand: the others will have gone."""
     region = brain.region
+    standing = [t for t in brain.memory.tracks.all if brain.time - t.since > STANDING]
     return region.depth_at(x, y) > WALL_ROOM and all(
-        room_to_turn(region, x, y, track) for track in brain.memory.tracks.all
+        room_to_turn(region, x, y, track) for track in standing
     )
 
 

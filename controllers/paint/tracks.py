@@ -42,6 +42,9 @@ LEFT_ROW = 0.01
 """A level robot that is no farther off the row than this (m) has not left it: who steps aside along
 its row strays from it by a millimetre or two."""
 
+STRAYED = 0.1
+"""A robot that is seen farther off than this (m) has moved."""
+
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
 _TWO = BODY - _GATE
@@ -64,6 +67,7 @@ class Track:
     side: Side = Side.UNSURE
     sharp: bool = False  # whether the bounds are from sightings that were exact
     reach: float = 0.0  # how far it may have driven since it was seen, m
+    anchor: tuple[float, float] = (math.inf, math.inf)  # where it was when it last moved, m
     aside: float = 0.0  # how far its face's middle in view is from its centre, m (see Square)
 
     @property
@@ -214,7 +218,9 @@ def _renew(track: Track, square: Square, time: float) -> None:
     else:
         far = track.reach + (0.0 if consistent else _GATE)  # how far beyond its old bounds it is
         track.x, track.y = _clipped(square.x, track.x, far), _clipped(square.y, track.y, far)
-        track.since, track.sharp = time, sharp
+        track.sharp = sharp
+    if math.dist(track.centre, track.anchor) > STRAYED + square.error:
+        track.anchor, track.since = track.centre, time
     track.seen, track.reach, track.aside = time, 0.0, square.aside
     if square.certain:
         track.looks += 1

@@ -16,6 +16,9 @@ from .geometry import Floats
 _SHADE = HALF + 0.05
 """Half the width of the shadow that a robot is taken to cast (m): it may be turning."""
 
+WAY = 0.01
+"""What share more a place must show to be worth each metre of the way there."""
+
 
 def visible_share(eye: tuple[float, float], places: Floats, robots: Floats) -> float:
     """The share of places (n, 2) in view from `eye` past robots (m, 2), taken as discs."""
@@ -38,8 +41,8 @@ def best_step(
 ) -> tuple[float, float]:
     """Of the positions `xs` on the row y, the one with the best view, and that view's share.
 
-    Of equal views the nearest to `here` wins.
+    From that share what the way from `here` costs is taken off.
     """
-    shares = [(visible_share((x, y), places, robots), -abs(x - here), x) for x in xs]
-    share, _, x = max(shares)
+    shares = [(visible_share((x, y), places, robots) - WAY * abs(x - here), x) for x in xs]
+    share, x = max(shares)
     return x, share

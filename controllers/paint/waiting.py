@@ -23,6 +23,9 @@ After each further while it steps to anywhere on its row: where it stands may be
 others from each other, of whom it waits for one.
 """
 
+MEASURED = 24.0
+"""A robot that waits for one at its own height gives that one so long (s) to measure it."""
+
 ROW_BREADTH = 0.02
 """A robot that has not gone up or down yet is this near to its row (m), and comes back to it with
 each step: level robots have to stay level."""
@@ -40,7 +43,9 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
         turning(brain, command, side)
         return
     since = memory.waiting_since if memory.waiting_since is not None else brain.time
-    if brain.time - max(since, memory.stepped_at) > PATIENT and memory.step_to is None:
+    level = blocker is not None and blocker.side is Side.LEVEL
+    patience = MEASURED if level else PATIENT
+    if brain.time - max(since, memory.stepped_at) > patience and memory.step_to is None:
         memory.step_to = _where_to_wait(brain, memory.stepped_at < since, blocker)
         memory.stepped_at = brain.time
     if memory.step_to is not None:
@@ -52,7 +57,8 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
             return
         wanted = look.RIGHT if blocker.x > pose.x else look.LEFT
     elif blocker is not None and looks_at(pose, memory.gaze):
-        upwards = blocker.y > pose.y
+        # Who waits for a level robot holds still to be measured, and looks the way it will go.
+        upwards = (brain.task.goal[1] if level else blocker.y) > pose.y
         wanted = look.UP if upwards else look.DOWN
     else:
         wanted = memory.gaze
@@ -89,16 +95,15 @@ def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | 
         return look.step_for_view(
             pose, places, tracks, brain.shadows, (upwards, not upwards), brain.draw()
         )
-    if abs(blocker.y - pose.y) < BODY:  # nothing fits behind it there that the other cannot see
+    if not first and abs(blocker.y - pose.y) < BODY:  # nothing fits behind it there that the other cannot see
         return max(places, key=lambda x: abs(x - blocker.x))
     return min(places) if first else sorted(places)[int(brain.draw() * len(places))]
 
 
 def _next_gaze(brain: Brain) -> float:
     """Where to look next for unseen robots: the way it is going, and to the sides in turn."""
-    memory, goal = brain.memory, brain.task.goal
-    on_row = abs(goal[1] - brain.pose.y) < BERTH
-    ahead = look.LEFT if on_row else look.UP if goal[1] > brain.pose.y else look.DOWN
+    memory = brain.memory
+    ahead = look.UP if brain.task.goal[1] > brain.pose.y else look.DOWN
     if abs(math.remainder(memory.gaze - ahead, math.tau)) > 0.1:
         return ahead
     return (look.LEFT, look.RIGHT)[memory.looks // 2 % 2]
