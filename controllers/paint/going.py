@@ -33,9 +33,6 @@ BLIND = 8.0
 """On the last bit, which it goes without looking, a robot takes into account who it saw this long
 (s) ago: who turns there has done so by then, and has seen it come."""
 
-STANDING = 3.0
-"""Who has not moved for this long (s) is taken to stand there."""
-
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
 _NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
@@ -152,17 +149,21 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
 
 
 def _roomy(brain: Brain, x: float, y: float) -> bool:
-    """Whether there is room to turn at a place beside all that stand: the others will have gone."""
+    """Whether there is room to turn at a place , for all that is known."""
     region = brain.region
-    standing = [t for t in brain.memory.tracks.all if brain.time - t.since > STANDING]
     return region.depth_at(x, y) > WALL_ROOM and all(
-        room_to_turn(region, x, y, track) for track in standing
+        room_to_turn(region, x, y, track) for track in brain.memory.tracks.all
     )
 
 
 def _aside_first(brain: Brain, command: Command) -> bool:
-    """Beside who stands near the goal's row it could not turn there: go up or down farther off."""
+    """Beside who stands near the goal's row it could not turn there: go up or down farther off.
+
+    Only once: who is there may be on its way as well.
+    """
     memory, pose, height = brain.memory, brain.pose, brain.task.goal[1]
+    if memory.aside:
+        return False
     if memory.step_to is None and _NEAR > abs(height - pose.y) > _BEGUN:
         if _roomy(brain, pose.x, height) or brain.region.depth_at(pose.x, height) < WALL_ROOM:
             return False
@@ -174,6 +175,7 @@ def _aside_first(brain: Brain, command: Command) -> bool:
         if abs(pose.x - memory.step_to) > 0.05 and step_aside(brain, command):
             return True
         memory.step_to = None
+        memory.aside = True
     return False
 
 
@@ -197,7 +199,7 @@ def final_turn(brain: Brain) -> float:
 def held_up(brain: Brain, travel: float) -> bool:
     """Whether who is beside its way, and may turn there, has kept it from crossing for long."""
     memory = brain.memory
-    if travel > 0.05 or memory.row_clear:
+    if travel > 0.05:
         memory.held_since = None
     elif memory.held_since is None:
         memory.held_since = brain.time
@@ -231,6 +233,7 @@ def _cross(brain: Brain, command: Command) -> None:
     recent = BLIND if memory.row_clear else 3.0
     travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time, recent=recent)
     if held_up(brain, travel) or memory.step_to is not None:
+        memory.row_clear = False
         make_room(brain, command)
         return
     settle = 0.2 if aim_x == task.goal[0] else 0.3

@@ -113,6 +113,9 @@ class Memory:
     waiting_since: float | None = None
     """Since when it has waited: after a while it steps out of the others' view."""
 
+    aside: bool = False
+    """Whether it has stepped aside before its goal's row, so as to do so only once."""
+
     held_since: float | None = None
     """Since when somebody beside its row has held it up on its way along it."""
 

@@ -42,9 +42,6 @@ LEFT_ROW = 0.01
 """A level robot that is no farther off the row than this (m) has not left it: who steps aside along
 its row strays from it by a millimetre or two."""
 
-STRAYED = 0.1
-"""A robot that is seen farther off than this (m) has moved."""
-
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
 _TWO = BODY - _GATE
@@ -62,12 +59,10 @@ class Track:
     x: tuple[float, float]
     y: tuple[float, float]
     seen: float  # time of the last sighting, s
-    since: float  # time since when it has stood there, s
     looks: int = 1
     side: Side = Side.UNSURE
     sharp: bool = False  # whether the bounds are from sightings that were exact
     reach: float = 0.0  # how far it may have driven since it was seen, m
-    anchor: tuple[float, float] = (math.inf, math.inf)  # where it was when it last moved, m
     aside: float = 0.0  # how far its face's middle in view is from its centre, m (see Square)
 
     @property
@@ -122,7 +117,7 @@ class Tracks:
                 _renew(track, square, time)
                 self.sightings.append((track, square))
             else:
-                self.all.append(Track(square.x, square.y, time, time, sharp=_is_sharp(square)))
+                self.all.append(Track(square.x, square.y, time, sharp=_is_sharp(square)))
         for track in self.all:
             if track.seen == time:
                 track.side = _side(track, y)
@@ -219,8 +214,6 @@ def _renew(track: Track, square: Square, time: float) -> None:
         far = track.reach + (0.0 if consistent else _GATE)  # how far beyond its old bounds it is
         track.x, track.y = _clipped(square.x, track.x, far), _clipped(square.y, track.y, far)
         track.sharp = sharp
-    if math.dist(track.centre, track.anchor) > STRAYED + square.error:
-        track.anchor, track.since = track.centre, time
     track.seen, track.reach, track.aside = time, 0.0, square.aside
     if square.certain:
         track.looks += 1
