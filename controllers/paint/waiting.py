@@ -95,7 +95,8 @@ def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | 
         return look.step_for_view(
             pose, places, tracks, brain.shadows, (upwards, not upwards), brain.draw()
         )
-    if not first and abs(blocker.y - pose.y) < BODY:  # nothing fits behind it there that the other cannot see
+    # At the far end of its row nothing fits behind it that the other cannot see.
+    if not first and abs(blocker.y - pose.y) < BODY:
         return max(places, key=lambda x: abs(x - blocker.x))
     return min(places) if first else sorted(places)[int(brain.draw() * len(places))]
 
