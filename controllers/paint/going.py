@@ -25,6 +25,7 @@ from .waiting import BERTH, PATIENT, make_room, step_aside, wait
 if TYPE_CHECKING:
     from .brain import Brain, Command
     from .observe import Scan
+    from .tracks import Track
 
 AT_GOAL = 0.01
 """A robot this near to its goal has reached it (m)."""
@@ -32,6 +33,9 @@ AT_GOAL = 0.01
 BLIND = 8.0
 """On the last bit, which it goes without looking, a robot takes into account who it saw this long
 (s) ago: who turns there has done so by then, and has seen it come."""
+
+PASSING = 30.0
+"""For so long (s) a robot waits for others to pass along their rows beside its goal's row."""
 
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
@@ -148,34 +152,41 @@ def _climb(brain: Brain, command: Command, decision: Decision) -> None:
     command.motion = drive(pose, target, travel, brain.settings.limits, settle)
 
 
-def _roomy(brain: Brain, x: float, y: float) -> bool:
-    """Whether there is room to turn at a place , for all that is known."""
-    region = brain.region
-    return region.depth_at(x, y) > WALL_ROOM and all(
-        room_to_turn(region, x, y, track) for track in brain.memory.tracks.all
-    )
+def _in_way(brain: Brain, x: float, y: float) -> list[Track]:
+    """The robots beside which there is no room to turn at a place."""
+    tracks = brain.memory.tracks.all
+    return [track for track in tracks if not room_to_turn(brain.region, x, y, track)]
 
 
 def _aside_first(brain: Brain, command: Command) -> bool:
     """Beside who stands near the goal's row it could not turn there: go up or down farther off.
 
-    Only once: who is there may be on its way as well.
+    Who is on its way along its row it lets pass, for a while.
     """
     memory, pose, height = brain.memory, brain.pose, brain.task.goal[1]
-    if memory.aside:
-        return False
     if memory.step_to is None and _NEAR > abs(height - pose.y) > _BEGUN:
-        if _roomy(brain, pose.x, height) or brain.region.depth_at(pose.x, height) < WALL_ROOM:
+        in_way = _in_way(brain, pose.x, height)
+        if not in_way or brain.region.depth_at(pose.x, height) < WALL_ROOM:
+            memory.passing_since = None
             return False
+        if memory.passing_since is None:
+            memory.passing_since = brain.time
+        if brain.time - memory.passing_since < PASSING and all(
+            track.crosses(brain.time) for track in in_way
+        ):
+            return True
         places = look.row_places(brain.region, pose, memory.tracks.all, brain.time)
-        places = [x for x in places if _roomy(brain, x, height)]
+        places = [
+            x
+            for x in places
+            if brain.region.depth_at(x, height) > WALL_ROOM and not _in_way(brain, x, height)
+        ]
         if places:
             memory.step_to = min(places, key=lambda x: abs(x - pose.x))
     if memory.step_to is not None:
         if abs(pose.x - memory.step_to) > 0.05 and step_aside(brain, command):
             return True
         memory.step_to = None
-        memory.aside = True
     return False
 
 

@@ -113,8 +113,8 @@ class Memory:
     waiting_since: float | None = None
     """Since when it has waited: after a while it steps out of the others' view."""
 
-    aside: bool = False
-    """Whether it has stepped aside before its goal's row, so as to do so only once."""
+    passing_since: float | None = None
+    """Since when it has let others pass beside its goal's row: not for ever."""
 
     held_since: float | None = None
     """Since when somebody beside its row has held it up on its way along it."""

@@ -42,6 +42,12 @@ LEFT_ROW = 0.01
 """A level robot that is no farther off the row than this (m) has not left it: who steps aside along
 its row strays from it by a millimetre or two."""
 
+STRAYED = 0.1
+"""A robot that is seen farther off than this (m) has moved."""
+
+STANDING = 3.0
+"""A robot that has not moved for this long (s) stands."""
+
 _GATE = 0.15  # m: how far a sighting may be off what the bounds and the speed allow
 
 _TWO = BODY - _GATE
@@ -62,6 +68,9 @@ class Track:
     looks: int = 1
     side: Side = Side.UNSURE
     sharp: bool = False  # whether the bounds are from sightings that were exact
+    anchor: tuple[float, float] | None = None  # where it was when it last moved, m
+    moved_at: float = -math.inf  # when it was first seen there, s
+    moved_across: bool = False  # whether it came there along its row, not up or down
     reach: float = 0.0  # how far it may have driven since it was seen, m
     aside: float = 0.0  # how far its face's middle in view is from its centre, m (see Square)
 
@@ -74,6 +83,10 @@ class Track:
     def confirmed(self) -> bool:
         """Whether it has been seen often enough to count."""
         return self.looks >= CONFIRMED
+
+    def crosses(self, time: float) -> bool:
+        """Whether it is on its way along its row."""
+        return self.moved_across and time - self.moved_at < STANDING
 
     @property
     def slack(self) -> float:
@@ -214,9 +227,20 @@ def _renew(track: Track, square: Square, time: float) -> None:
         far = track.reach + (0.0 if consistent else _GATE)  # how far beyond its old bounds it is
         track.x, track.y = _clipped(square.x, track.x, far), _clipped(square.y, track.y, far)
         track.sharp = sharp
+    _note_motion(track, square.error, time)
     track.seen, track.reach, track.aside = time, 0.0, square.aside
     if square.certain:
         track.looks += 1
+
+
+def _note_motion(track: Track, error: float, time: float) -> None:
+    """Note when a robot has moved, and which way."""
+    if track.anchor is None:
+        track.anchor = track.centre
+    dx, dy = (new - old for new, old in zip(track.centre, track.anchor, strict=True))
+    if math.hypot(dx, dy) > STRAYED + error:
+        track.anchor, track.moved_at = track.centre, time
+        track.moved_across = abs(dx) > 2.0 * abs(dy)
 
 
 def _clipped(new: tuple[float, float], old: tuple[float, float], far: float) -> tuple[float, float]:
