@@ -16,8 +16,6 @@ from controllers.paint.geometry import Region, rectangle
 from controllers.paint.hidden import CELL, Shadows
 from controllers.paint.options import parse
 from controllers.paint.ranking import RankBounds
-from controllers.paint.squares import Square
-from controllers.paint.tracks import Tracks
 
 CONVEX = Region(np.array([[3, 0.5], [13, 0.5], [15.5, 9], [13, 20.5], [5, 20.5], [0.5, 12.0]]))
 
@@ -78,37 +76,6 @@ def test_nobody_unseen_crosses_the_row_when_it_moves() -> None:
     shadows.possible[shadows.y > 2.0] = False
     shadows.spread(60.0)
     assert shadows.room_above(2.0) == 0  # those below stay below
-
-
-def _square(x: float, y: float, vague: float = 0.0, certain: bool = True) -> Square:
-    return Square((x - vague, x + vague), (y - vague, y + vague), True, certain, 0.0)
-
-
-def _followed(*scans: list[Square]) -> Tracks:
-    tracks = Tracks(0.5)
-    for k, squares in enumerate(scans):
-        tracks.update(squares, 0.1 * k, 0.0, 0.0)
-    tracks.tell_apart()
-    return tracks
-
-
-def test_two_tracks_nearer_than_two_bodies_can_be_count_as_one() -> None:
-    seen = [_square(3.0, 2.0), _square(3.3, 2.55)]
-    tracks = _followed(seen, seen, seen, seen)
-    assert len(tracks.sure) == 1
-    assert len(tracks.doubtful) == 1
-    seen = [_square(3.0, 2.0), _square(3.0, 3.05)]
-    tracks = _followed(seen, seen, seen, seen)
-    assert len(tracks.sure) == 2
-
-
-def test_a_sliver_never_takes_the_track_of_a_robot_in_full_view() -> None:
-    robot, sliver = _square(-6.6, -0.6), _square(-5.3, 0.0, 0.7, certain=False)
-    tracks = _followed([robot], [robot], [robot], [sliver, robot], [sliver, robot])
-    (track,) = tracks.sure
-    assert track.centre == (-6.6, -0.6)
-    assert len(tracks.all) == 2
-    assert not tracks.all[1].confirmed  # slivers do not count, however often they are seen
 
 
 @pytest.mark.parametrize(
