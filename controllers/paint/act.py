@@ -39,19 +39,26 @@ DOUBT = 10.0
 """What is seen must contradict the number of robots for this long (s) before it is believed."""
 
 
+def _why_not_yet(brain: Brain, rank_open: bool) -> str:
+    robots = brain.settings.robots
+    if rank_open:
+        return f"my rank among {robots} robots is still open"
+    return f"I cannot go on ({brain.memory.said}); are there {robots} robots?"
+
+
 def search_walls(brain: Brain, scan: Scan, command: Command) -> None:
     """Turn until enough of the walls has been seen to know where they are."""
     say(brain, command, "looking for the walls")
     memory = brain.memory
-    if brain.time > 60.0:
+    if brain.time - memory.began > 60.0:
         fail(brain, command, "the walls do not fit the arena's shape that I was told")
         return
-    if brain.time > 0.5 and float(scan.ranges.min()) > 0.75:
+    if brain.time - memory.began > 0.5 and float(scan.ranges.min()) > 0.75:
         memory.gaze += 0.0 if not looks_at(brain.pose, memory.gaze) else math.pi / 2
         command.motion = turn(brain.pose, memory.gaze, brain.settings.limits)
 
 
-def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
+def carry_on(brain: Brain, command: Command) -> None:
     """One reading's worth of whatever phase the robot is in."""
     memory = brain.memory
     if memory.phase in (Phase.OBSERVING, Phase.GOING, Phase.AT_GOAL):
@@ -60,8 +67,8 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
         if doubtful and (rank_open or brain.settings.robots <= CROWD):
             fail(brain, command, memory.doubt)
             return
-        if brain.time > brain.settings.patience and rank_open:
-            fail(brain, command, f"my rank among {brain.settings.robots} robots is still open")
+        if brain.time - memory.began > brain.settings.patience:
+            fail(brain, command, _why_not_yet(brain, rank_open))
             return
     new_cycle = brain.time >= memory.next_cycle
     if new_cycle:
@@ -70,9 +77,9 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
         if new_cycle and memory.bounds.rank is not None and not memory.nearing:
             going.set_out(brain, command)
         else:
-            observe(brain, scan, command, new_cycle)
+            observe(brain, command, new_cycle)
     elif memory.phase is Phase.GOING:
-        going.go(brain, scan, command, new_cycle)
+        going.go(brain, command, new_cycle)
     elif memory.phase is Phase.AT_GOAL:
         check_strip(brain, command, new_cycle)
     elif memory.phase is Phase.PAINTING:
@@ -81,7 +88,7 @@ def carry_on(brain: Brain, scan: Scan, command: Command) -> None:
         count(brain, command)
 
 
-def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None:
+def observe(brain: Brain, command: Command, new_cycle: bool) -> None:
     """Look around, and step aside where looking alone does not tell the rank."""
     memory, pose, limits = brain.memory, brain.pose, brain.settings.limits
     region = brain.region
@@ -119,13 +126,12 @@ def observe(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None
     if nearing.begin(brain):
         return
     if memory.looks % 3 == 0:
-        undecided = memory.bounds.above[0] < memory.bounds.above[1]
         xs = look.row_places(region, pose, tracks, brain.time)
         if not may_turn(region, pose, tracks, brain.time, brain.nearest):
             shut = [row_hidden(brain, side) for side in (look.LEFT, look.RIGHT)]
             xs = [x for x in xs if x == pose.x or not shut[x > pose.x]]
         memory.step_to = look.step_for_view(
-            pose, xs, tracks, brain.shadows, (undecided, undecided), brain.draw()
+            pose, xs, tracks, brain.shadows, (True, True), brain.draw()
         )
         if memory.step_to is not None:
             return
@@ -218,7 +224,7 @@ def paint(brain: Brain, command: Command) -> None:
         return
     travel = free_travel(brain.region, pose, way[0], memory.tracks.all, brain.time, keep=STAND_KEEP)
     command.spray = memory.spraying
-    command.motion = drive(pose, way[0], travel, limits, 0.2)
+    command.motion = drive(pose, way[0], travel, limits, 0.3)
 
 
 def count(brain: Brain, command: Command) -> None:
@@ -232,7 +238,8 @@ def count(brain: Brain, command: Command) -> None:
     seen = sum(memory.most)
     if seen >= robots - 1:
         memory.phase = Phase.DONE
-        say(brain, command, "done")
+        more = f"; I saw {_seen(brain)} robots, not {robots}" if seen >= robots else ""
+        say(brain, command, f"done{more}")
         command.finished = True
         return
     say(brain, command, f"painted; looking for the robots that I never saw, {robots - 1 - seen}")

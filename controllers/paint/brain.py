@@ -35,6 +35,10 @@ SURE = 8
 """When all robots are in view at once, each seen in this many scans, nobody is in the shadows."""
 
 
+PATIENCE = 1700.0
+"""For so long (s) a robot tries to come to paint before it says that it cannot."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """What a robot is told: how many there are, the region's shape, and its own limits."""
@@ -45,7 +49,7 @@ class Settings:
     jitter: float = 0.0  # s: the longest cycle; 0: every reading begins one
     limits: Limits = LIMITS
     sprayer: tuple[float, float] = SPRAYER
-    patience: float = 1700.0  # s until it gives up if its rank is still open
+    patience: float = PATIENCE  # s until it gives up if it is not painting yet
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,8 @@ class Brain:
         """Take in one reading and say what to do."""
         command = Command()
         memory = self.memory
+        if math.isinf(memory.began):
+            memory.began = reading.time
         self.time = reading.time
         self.spacing = float(reading.bearings[1] - reading.bearings[0])
         scan = self._perceive(reading)
@@ -120,7 +126,7 @@ class Brain:
             act.search_walls(self, scan, command)
             return command
         if memory.phase is not Phase.DONE:
-            act.carry_on(self, scan, command)
+            act.carry_on(self, command)
         return command
 
     def _perceive(self, reading: Reading) -> Scan:
@@ -161,7 +167,7 @@ class Brain:
         if fit is not None:
             memory.region = fit.region
             memory.wall_points = []
-            memory.shadows = Shadows(fit.region, self.settings.limits.speed)
+            memory.shadows = Shadows(fit.region, self.settings.limits.speed, memory.began)
             memory.shadows.spread(self.time)
             memory.phase = Phase.OBSERVING
 
@@ -185,7 +191,7 @@ class Brain:
     def _follow(self, scan: Scan, seen: list[Square]) -> None:
         memory = self.memory
         tracks, shadows = memory.tracks, self.shadows
-        lost = tracks.update(seen, self.time, self.pose.x, self.pose.y)
+        lost = tracks.update(seen, self.time, self.pose.y)
         for track in lost:
             shadows.admit(*track.centre, track.slack, is_higher(self.pose.x, track))
         out_of_view = [track for track in tracks.all if track.seen < self.time]

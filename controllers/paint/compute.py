@@ -70,13 +70,16 @@ def side_of(y: float, other_y: float, tolerance: float = 0.0) -> Side:
     return Side.ABOVE if difference > 0.0 else Side.BELOW
 
 
-def is_lower(x: float, other: Other) -> bool | None:
-    """Whether the other has a lower rank [3.1 Step 1]: by height, and by x where level."""
-    if other.side is Side.UNSURE:
+def is_lower(x: float, side: Side, other_x: float) -> bool | None:
+    """Whether another has a lower rank than one at `x` [3.1 Step 1]: by height, by x where level.
+
+    None if its height is too uncertain to compare.
+    """
+    if side is Side.UNSURE:
         return None
-    if other.side is Side.LEVEL:
-        return other.x < x
-    return other.side is Side.BELOW
+    if side is Side.LEVEL:
+        return other_x < x
+    return side is Side.BELOW
 
 
 def rank_among(x: float, others: Iterable[Other]) -> int:
@@ -87,7 +90,7 @@ def rank_among(x: float, others: Iterable[Other]) -> int:
     """
     rank = 1
     for other in others:
-        lower = is_lower(x, other)
+        lower = is_lower(x, other.side, other.x)
         if lower is None:
             raise ValueError(f"the robot at x = {other.x} may be higher or lower")
         rank += lower

@@ -31,8 +31,8 @@ EPSILON = 1.1
 """The paper's epsilon [3.1 Compute]: how far below (above) another's height a robot halts.
 
 More than a body, so that rows of robots never touch. Two goals on either side of a strip's
-border are 2 INSET apart, and that must be more than EPSILON, or the second robot to come would
-halt short of its goal for ever.
+border are 2 INSET apart (in the lowest strips a strip's height, see `task`), and that must be more
+than EPSILON, or the second robot to come would halt short of its goal for ever.
 """
 
 HALT = 1.65

@@ -44,6 +44,9 @@ class Region:
             edges = np.roll(corners, -1, axis=0) - corners
         elif not (turns > 0.0).all():
             raise ValueError(f"the corners must go round a convex polygon: {corners.tolist()}")
+        headings = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
+        if headings[-1] - headings[0] > math.tau:
+            raise ValueError(f"the corners go round more than once: {corners.tolist()}")
         self.corners: Floats = np.ascontiguousarray(corners)
         lengths = np.hypot(edges[:, 0], edges[:, 1])
         self.normals: Floats = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / lengths[:, None]

@@ -24,7 +24,6 @@ from .waiting import BERTH, PATIENT, make_room, step_aside, wait
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
-    from .observe import Scan
     from .tracks import Track
 
 AT_GOAL = 0.01
@@ -63,10 +62,11 @@ def set_out(brain: Brain, command: Command) -> None:
     say(brain, command, f"going: my rank is {rank}")
 
 
-def go(brain: Brain, scan: Scan, command: Command, new_cycle: bool) -> None:
+def go(brain: Brain, command: Command, new_cycle: bool) -> None:
     """Carry out the legs; decide anew at each cycle, and hold where the way is no longer free."""
     memory, pose, task = brain.memory, brain.pose, brain.task
-    if math.dist(pose[:2], task.goal) < AT_GOAL:
+    reached = memory.decision is not None and memory.decision.act is Act.PAINT
+    if reached or math.dist(pose[:2], task.goal) < AT_GOAL:
         memory.phase = Phase.AT_GOAL
         memory.arrived = brain.time
         command.report["goal_time"] = round(brain.time, 3)
@@ -236,7 +236,7 @@ def _cross(brain: Brain, command: Command) -> None:
     height = task.goal[1]
     if left > 0.7:
         height = passing_height(
-            brain.region, pose.y, height, pose.x, task.goal[0], memory.tracks.all, task.strip
+            brain.region, height, pose.x, task.goal[0], memory.tracks.all, task.strip
         )
     target = (aim_x, height)
     if abs(height - pose.y) > 0.02 and left > 0.7:

@@ -1,8 +1,9 @@
 """Where robots that are not followed could be: the shadows of what was seen so far.
 
 A grid over the region marks every place at which the centre of an unseen robot may be. A look
-clears what it shows to be free, time lets the rest spread at the speed of a robot, and nothing is
-ever assumed: a place is cleared only if a body there would have been hit by a ray.
+clears what it shows to be free, and time lets the rest spread at the speed of a robot. A place is
+cleared if a body there would have been hit by a ray, or would overlap a body seen; all are cleared
+once all robots are in view.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class Shadows:
     stays above. So cells end at y = 0, and nothing spreads over the row.
     """
 
-    def __init__(self, region: Region, speed: float) -> None:
+    def __init__(self, region: Region, speed: float, time: float = 0.0) -> None:
         self._region = region
         low = np.array([region.left + HALF, region.bottom + HALF])  # centres are inside of these
         span = np.array([region.right - HALF, region.top - HALF]) - low
@@ -54,7 +55,7 @@ class Shadows:
         self.standable: Mask = depth + _HALF_DIAGONAL >= HALF
         self.possible: Mask = self.standable.copy()
         self._spread_for = CELL / speed  # s in which a robot drives through a cell
-        self._spread_at = 0.0
+        self._spread_at = time - time % self._spread_for
         self._diagonal = False
 
     def clear(self) -> None:

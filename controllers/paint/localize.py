@@ -36,8 +36,8 @@ def locate(points: Floats, shape: Region) -> Fit | None:
     """The region in the own frame, from wall points (n, 2) of that frame; None if not certain yet.
 
     `shape` is the known polygon in any frame with parallel axes. The robot stands at the
-    origin. Certain means that nine in ten points fit and none is outside, that two walls that are
-    not parallel were hit, and that no other place or orientation fits nearly as well.
+    origin. Certain means that nine in ten points fit, that hardly any is outside, that two walls
+    that are not parallel were hit, and that no other place or orientation fits nearly as well.
     """
     if len(points) < _PROBES:
         return None

@@ -1,4 +1,6 @@
-"""Everything that a painting robot keeps from one cycle to the next, in one place, and why.
+"""All that a painting robot knows and intends from one cycle to the next, in one place, and why.
+
+What `Brain` holds besides is of the last reading only: its time, its pose, the nearest point.
 
 The paper's robots keep nothing [2, Oblivious]: they are points that see everything at once. These
 have bodies that hide each other and look one way at a time.
@@ -6,6 +8,7 @@ have bodies that hide each other and look one way at a time.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -40,6 +43,9 @@ class Memory:
 
     bounds: RankBounds
     """Bounds on the own rank: looks add up, and with all keeping order no bound expires."""
+
+    began: float = math.inf
+    """The time of the first reading: a robot may join a world that runs."""
 
     most: tuple[int, int] = (0, 0)
     """The most robots seen above and below: if all were ever seen, the number told is right."""
@@ -96,7 +102,7 @@ class Memory:
     """Whether it holds still to be looked at exactly, and until when: see `poring`."""
 
     row: float = 0.0
-    """The height at which it started: side-steps stay on it, so that level robots stay level."""
+    """The height of its row while its rank is open: side-steps stay on it, level robots level."""
 
     nearing: bool = False
     """Whether it is on its way up or down while its rank is open: it ends at rest."""

@@ -1,8 +1,8 @@
 """The move step: from a decision to a twist, without coming too near to anybody.
 
 Bodies here may turn on the spot where they stand, so a robot that moves keeps far enough from
-whoever has room to turn (HALT beside, in both axes); from one that stands by a wall it may pass
-at EPSILON. Who turns can then do so wherever it stands, as long as nobody in view is near.
+whoever has room to turn (TURN_KEEP, in both axes); one that stands by a wall it may pass at
+STAND_KEEP. Who turns can then do so wherever it stands, as long as nobody in view is near.
 """
 
 from __future__ import annotations
@@ -195,7 +195,7 @@ def looks_at(pose: Pose, gaze: float) -> bool:
 
 
 def passing_height(
-    region: Region, y: float, goal_y: float, x: float, goal_x: float, tracks: Iterable[Track],
+    region: Region, goal_y: float, x: float, goal_x: float, tracks: Iterable[Track],
     strip: tuple[float, float],
 ) -> float:  # fmt: skip
     """The height at which to cross: the goal's, or a little off where someone could turn beside.

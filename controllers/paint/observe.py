@@ -53,7 +53,6 @@ class Scan:
     hit: NDArray[np.bool_]
     red: NDArray[np.bool_]
     green: NDArray[np.bool_]
-    max_range: float
 
     @cached_property
     def maxima(self) -> Floats:
@@ -97,7 +96,7 @@ def take_scan(
         elif blob.color == GREEN:
             green |= inside
     hit = ranges < max_range
-    return Scan(pose, ranges, bearings, points, directions, hit, red, green, max_range)
+    return Scan(pose, ranges, bearings, points, directions, hit, red, green)
 
 
 def red_points(scan: Scan) -> Floats:

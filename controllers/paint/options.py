@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .brain import Settings
+from .brain import PATIENCE, Settings
 from .constants import ARENA, EPSILON, SPRAYER
 from .geometry import Region, rectangle
 from .move import LIMITS, Limits
@@ -35,7 +35,13 @@ def _positive(text: str) -> float:
 
 
 def _not_negative(text: str) -> float:
-    return 0.0 if text in ("0", "0.0") else _positive(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (value >= 0.0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of at least 0")
+    return value
 
 
 def parse(arguments: Sequence[str] | None = None) -> Settings:
@@ -74,8 +80,8 @@ def parse(arguments: Sequence[str] | None = None) -> Settings:
         help=f"length and width of what it paints, m (default {SPRAYER[0]:g} {SPRAYER[1]:g})",
     )  # fmt: skip
     parser.add_argument(
-        "--patience", type=_positive, default=1700.0,
-        help="s after which it gives up if its rank is still open",
+        "--patience", type=_positive, default=PATIENCE,
+        help="s after which it gives up if it is not painting yet (default %(default)g)",
     )  # fmt: skip
     args = parser.parse_args(arguments)
     if args.robots < 1:

@@ -1,7 +1,8 @@
 """What is known for certain about the own rank: bounds on how many robots are above and below.
 
 All robots keep their order by height, so the two numbers never change, and every bound that ever
-held holds for good. The rank is known once the bounds meet; it is never guessed.
+held holds for good. The rank is known once the bounds meet; what is taken for certain without
+having been seen is only who is hidden on one line: see `lined`.
 """
 
 from __future__ import annotations

@@ -16,6 +16,8 @@ _STEP = 0.05
 def goal_in(region: Region, strip: tuple[float, float]) -> tuple[float, float]:
     """The goal: the strip's lower left corner, INSET inside in both axes [3.1 Step 2, Move].
 
+    Where strips are so low that goals would come nearer than EPSILON it is half a strip's height.
+
     In a region whose edges are slanted the corner is where a body fits farthest left at that
     height, as far off the edge as in a rectangle; where none fits there (an apex), at the nearest
     height of the strip where one does.
@@ -25,7 +27,9 @@ def goal_in(region: Region, strip: tuple[float, float]) -> tuple[float, float]:
     """
     low, high = strip
     steps = max(1, int((high - low) / _STEP))
-    heights = [low + INSET, *(low + (high - low) * i / steps for i in range(steps + 1))]
+    apart = 2 * (high - low - INSET)  # an N robot's goal from a P robot's in the strip below
+    inset = INSET if apart > EPSILON else 0.5 * (high - low)
+    heights = [low + inset, *(low + (high - low) * i / steps for i in range(steps + 1))]
     heights = [heights[0], *sorted(heights[1:], key=lambda y: abs(y - heights[0]))]
     for y in heights:
         room = region.standing_room(y, _FITS)

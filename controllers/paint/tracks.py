@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .compute import Side
+from .compute import Side, is_lower
 from .constants import BODY, LEVEL
 from .pairing import paired, swapped
 from .squares import EXACT, Square
@@ -114,8 +114,8 @@ class Tracks:
         self.sightings: list[tuple[Track, Square]] = []
         self.speed = speed
 
-    def update(self, squares: Sequence[Square], time: float, x: float, y: float) -> list[Track]:
-        """Take in a scan's sightings, made at (x, y); returns the tracks given up, if any."""
+    def update(self, squares: Sequence[Square], time: float, y: float) -> list[Track]:
+        """Take in a scan's sightings, made at the height y; returns the tracks given up, if any."""
         for track in self.all:
             track.reach = (time - track.seen) * self.speed
         options = [_options(square, self.all, y) for square in squares]
@@ -203,11 +203,8 @@ def _gap(one: Track, other: Track) -> float:
 
 def is_higher(x: float, track: Track) -> bool | None:
     """Whether a robot has a higher rank than one at `x`; None if that is open."""
-    if track.side is Side.UNSURE:
-        return None
-    if track.side is Side.LEVEL:
-        return bool(track.centre[0] > x)
-    return track.side is Side.ABOVE
+    lower = is_lower(x, track.side, track.centre[0])
+    return None if lower is None else not lower
 
 
 def _renew(track: Track, square: Square, time: float) -> None:

@@ -1,6 +1,6 @@
 """Acting to see: where to step to, sideways, for the best view of the places in shadow.
 
-A robot that does not know its rank yet stays on its row, so that the order is kept, and goes along
+A robot that does not know its rank yet keeps to its row, so that the order is kept, and goes along
 it to where most of the places that it has to see into are in view past the robots it knows of.
 """
 

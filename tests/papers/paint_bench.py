@@ -1,12 +1,12 @@
 """A bench for Paint without physics: square bodies that move as told, exact lasers and blobs.
 
-It judges by geometry of its own: overlaps of squares, the order by height, the painted floor.
+It judges by geometry of its own: overlaps of squares and the order by height.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -18,7 +18,8 @@ from controllers.paint.geometry import Pose
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
 
-INTERVAL = 0.1
+INSET = 0.6  # m
+INTERVAL = 0.1  # s
 ACCELERATION = 2.0  # m/s2
 TURN_ACCELERATION = math.radians(360.0)
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
@@ -45,12 +46,7 @@ class Outcome:
     starts: NDArray[np.float64]
     contacts: int = 0
     swaps: int = 0
-    coverage: float = 0.0
-    passes: float = 0.0
-    outside: float = 0.0  # m: farthest that anybody painted beyond its own strip
-    distance: list[float] = field(default_factory=list)
     said: list[list[tuple[float, str]]] = field(default_factory=list)
-    trail: list[NDArray[np.float64]] = field(default_factory=list)
 
 
 def corners_of(pose: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -73,45 +69,6 @@ def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return max(0.0, float(least))
 
 
-class Floor:
-    """The paint on the floor: a second, independent count of coverage and passes."""
-
-    def __init__(self, region: NDArray[np.float64], cell: float = 0.05) -> None:
-        size = region.max(axis=0)
-        columns, rows = (round(float(v) / cell) for v in size)
-        xs, ys = np.meshgrid((np.arange(columns) + 0.5) * cell, (np.arange(rows) + 0.5) * cell)
-        self.x, self.y = xs, ys
-        edges = np.roll(region, -1, axis=0) - region
-        self.inside = np.ones(xs.shape, bool)
-        for (px, py), (ex, ey) in zip(region, edges, strict=True):
-            self.inside &= ex * (ys - py) - ey * (xs - px) >= 0.0
-        self.visits = np.zeros(xs.shape, int)
-        self.under: dict[int, NDArray[np.bool_]] = {}
-        self.cell = cell
-
-    def spray(self, robot: int, pose: NDArray[np.float64], size: tuple[float, float]) -> None:
-        """One robot's sprayer at a pose."""
-        dx, dy = self.x - pose[0], self.y - pose[1]
-        cos, sin = math.cos(pose[2]), math.sin(pose[2])
-        now = (np.abs(cos * dx + sin * dy) <= size[0] / 2) & (
-            np.abs(cos * dy - sin * dx) <= size[1] / 2
-        )
-        before = self.under.get(robot)
-        self.visits += now & ~before if before is not None else now
-        self.under[robot] = now
-
-    def lift(self, robot: int) -> None:
-        """The sprayer is off."""
-        self.under.pop(robot, None)
-
-    def measures(self) -> tuple[float, float]:
-        """Coverage and passes."""
-        painted = (self.visits > 0) & self.inside
-        return float(painted.sum() / self.inside.sum()), float(
-            self.visits[painted].sum() / max(1, painted.sum())
-        )
-
-
 def blobs_of(colors: NDArray[np.int64]) -> list[Blob]:
     """Runs of one colour, from the image's left; `colors` is per column, 0 for nothing."""
     found = []
@@ -131,12 +88,9 @@ def run(
     *,
     duration: float = 1800.0,
     seed: int = 0,
-    floor: bool = False,
-    trail: bool = False,
 ) -> Outcome:
     """Run robots that start at (n, 3) poses in a region until all have finished or failed."""
     count = len(starts)
-    rng = np.random.default_rng([seed])
     brains = [Brain(settings(i), np.random.default_rng([seed, i]).random) for i in range(count)]
     scene = Scene()
     walls = scene.add_entity(color=RED)
@@ -149,8 +103,7 @@ def run(
     outcome = Outcome(
         0.0, [False] * count, [{} for _ in starts], [None] * count, poses, starts.copy()
     )
-    outcome.distance, outcome.said = [0.0] * count, [[] for _ in starts]
-    ground = Floor(region) if floor else None
+    outcome.said = [[] for _ in starts]
     order = np.lexsort((starts[:, 0], starts[:, 1]))
     level = np.isclose(starts[order[1:], 1], starts[order[:-1], 1], rtol=0.0, atol=1e-9)
     own = np.arange(1, count + 1)
@@ -161,7 +114,6 @@ def run(
     edges = np.roll(region, -1, axis=0) - region
     normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
     limits = np.sum(normals * region, axis=1)
-    del rng
     tick = 0
     while tick * INTERVAL < duration and not all(
         f or e for f, e in zip(outcome.finished, outcome.failures, strict=True)
@@ -184,32 +136,19 @@ def run(
             )
             command = brain.step(reading)
             wanted[i] = _take(outcome, i, command, time)
-            if ground is not None:
-                if command.spray:
-                    ground.spray(i, poses[i], brain.settings.sprayer)
-                else:
-                    ground.lift(i)
         steps = np.array([ACCELERATION, ACCELERATION, TURN_ACCELERATION]) * 0.02
         for _ in range(5):
             velocity += np.clip(wanted - velocity, -steps, steps)
             cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-            move_x = (cos * velocity[:, 0] - sin * velocity[:, 1]) * 0.02
-            move_y = (sin * velocity[:, 0] + cos * velocity[:, 1]) * 0.02
-            poses[:, 0] += move_x
-            poses[:, 1] += move_y
+            poses[:, 0] += (cos * velocity[:, 0] - sin * velocity[:, 1]) * 0.02
+            poses[:, 1] += (sin * velocity[:, 0] + cos * velocity[:, 1]) * 0.02
             poses[:, 2] += velocity[:, 2] * 0.02
-            for i in range(count):
-                outcome.distance[i] += math.hypot(move_x[i], move_y[i])
         _judge(outcome, poses, touching, normals, limits)
         heights = poses[order, 1]
         if (heights[1:] < heights[:-1] - np.where(level, 0.01, 0.0)).any():
             outcome.swaps += 1
-        if trail:
-            outcome.trail.append(poses.copy())
         tick += 1
     outcome.time = tick * INTERVAL
-    if ground is not None:
-        outcome.coverage, outcome.passes = ground.measures()
     return outcome
 
 
@@ -268,15 +207,17 @@ def random_starts(
 
 
 def expected_goals(
-    starts: NDArray[np.float64], size: tuple[float, float], inset: float = 0.6
+    starts: NDArray[np.float64], low: Sequence[float], high: Sequence[float]
 ) -> NDArray[np.float64]:
-    """The goals (n, 2) in the world that the paper gives, from the true starts."""
-    count = len(starts)
-    height = size[1] / count
-    goals = np.zeros((count, 2))
+    """The goals (n, 2) in a rectangle from `low` to `high` that the paper gives, from true starts.
+
+    P: its strip's lower left corner, N: the upper right one, each INSET further in, in both axes.
+    """
+    height = (high[1] - low[1]) / len(starts)
+    goals = np.zeros((len(starts), 2))
     for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
         if math.cos(starts[i, 2]) > 0.0:
-            goals[i] = inset, place * height + inset
+            goals[i] = low[0] + INSET, low[1] + place * height + INSET
         else:
-            goals[i] = size[0] - inset, (place + 1) * height - inset
+            goals[i] = high[0] - INSET, low[1] + (place + 1) * height - INSET
     return goals

@@ -15,11 +15,11 @@ from sim.engine import Engine, Settings
 from sim.result import Result, RobotRecord
 from sim.run import run_world
 from sim.worldfile import load
-from tests.papers.paint_bench import corners_of, overlap
+from tests.papers.paint_bench import corners_of, expected_goals, overlap
 
 Floats = NDArray[np.float64]
 
-INSET = 0.6  # how far from its strip's corner a goal lies, in both axes
+SPRAYER = 0.75  # m: half the width of what the painters of the worlds spray
 SAME_HEIGHT = 0.01
 """Robots that start on one height may exchange heights by less (m): the odometry's rounding, the
 drive's last centimetre, and which of them is told first to go."""
@@ -27,13 +27,17 @@ drive's last centimetre, and which of them is told first to go."""
 
 @dataclass
 class Judge:
-    """Watches a run; `region` (k, 2) are the walls' corners, counter-clockwise."""
+    """Watches a run; `region` (k, 2) are the walls' corners, counter-clockwise.
+
+    `painted` are the lowest and the highest height that each robot's sprayer reached while on.
+    """
 
     region: Floats
     contacts: list[str] = field(default_factory=list)
     swaps: list[str] = field(default_factory=list)
     order: NDArray[np.intp] | None = None
     level: NDArray[np.bool_] | None = None
+    painted: dict[int, tuple[float, float]] = field(default_factory=dict)
 
     def each_tick(self, engine: Engine) -> None:
         """Look at the true poses after a tick."""
@@ -49,6 +53,12 @@ class Judge:
         late = drops > np.where(self.level, SAME_HEIGHT, 0.0)
         if late.any():
             self.swaps.append(f"{engine.time:.1f} s: {drops.max():.4f} m")
+        for (robot, _), is_on in engine.context.spraying.items():
+            if is_on:
+                y, yaw = poses[robot, 1:]
+                reach = SPRAYER * (abs(math.cos(yaw)) + abs(math.sin(yaw)))
+                low, high = self.painted.get(robot, (y, y))
+                self.painted[robot] = min(low, y - reach), max(high, y + reach)
         self.contacts += [f"{engine.time:.1f} s: {what}" for what in self.touching(poses)]
 
     def touching(self, poses: Floats) -> list[str]:
@@ -78,7 +88,9 @@ class Judged:
     @property
     def right(self) -> list[bool]:
         """Per robot, whether it reported and reached the goal that the paper gives it."""
-        wanted = goals_of(self.result.robots, self.judge.region)
+        starts = np.array([robot.start for robot in self.result.robots])
+        region = self.judge.region
+        wanted = expected_goals(starts, region.min(axis=0), region.max(axis=0))
         return [
             "goal_time" in robot.properties
             and bool(np.abs(reported_goal(robot) - goal).max() < 0.01)
@@ -96,20 +108,6 @@ class Judged:
             if not right
         ]
         return found + self.judge.contacts[:3] + self.judge.swaps[:3]
-
-
-def goals_of(robots: Sequence[RobotRecord], region: Floats) -> Floats:
-    """The goals (n, 2) in a rectangular world, by the paper, from the true starts."""
-    starts = np.array([robot.start for robot in robots])
-    (left, bottom), (right, top) = region.min(axis=0), region.max(axis=0)
-    height = (top - bottom) / len(starts)
-    goals = np.zeros((len(starts), 2))
-    for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
-        if math.cos(starts[i, 2]) > 0.0:
-            goals[i] = left + INSET, bottom + place * height + INSET
-        else:
-            goals[i] = right - INSET, bottom + (place + 1) * height - INSET
-    return goals
 
 
 def reported_goal(robot: RobotRecord) -> Floats:

@@ -12,7 +12,8 @@ import pytest
 import yaml
 
 import troupe
-from tests.papers.paint_judge import judged_run, reported_goal
+from controllers.paint.constants import OVERLAP
+from tests.papers.paint_judge import Judged, judged_run, reported_goal
 from tests.processes import ROOT, environment, troupe_command
 
 WORLDS = ROOT / "worlds"
@@ -35,16 +36,37 @@ def test_all_reach_their_goals_in_order_and_touch_nothing(
         ]  # fmt: skip
 
 
-def test_the_whole_floor_is_painted_and_each_paints_its_own_strip() -> None:
-    run = judged_run(WORLDS / "paint_case_2.yaml", 21)
+@pytest.mark.parametrize(("world", "seed"), [("line", 23), ("swarm_8", 24)])
+def test_lines_and_crowds_reach_their_goals(world: str, seed: int) -> None:
+    assert judged_run(WORLDS / f"paint_{world}.yaml", seed, NO_PAINT).faults == []
+
+
+def painted_outside(run: Judged) -> float:
+    """How far beyond its own strip's borders anybody painted, m, by the true starts and poses."""
+    starts = np.array([robot.start for robot in run.result.robots])
+    strip = run.judge.region[:, 1].max() / len(starts)
+    worst = 0.0
+    for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
+        low, high = run.judge.painted[int(i)]
+        top = place == len(starts) - 1
+        worst = max(worst, place * strip - low if place else 0.0)
+        worst = max(worst, 0.0 if top else high - (place + 1) * strip)
+    return worst
+
+
+@pytest.mark.parametrize(("world", "seed"), [("case_2", 21), ("tall", 22)])
+def test_the_whole_floor_is_painted_and_each_paints_its_own_strip(world: str, seed: int) -> None:
+    run = judged_run(WORLDS / f"paint_{world}.yaml", seed)
     assert run.faults == []
     assert run.result.floor.coverage >= 0.999
     assert run.result.floor.passes <= 1.35
+    assert painted_outside(run) < OVERLAP + 0.01  # 0.01: what braking takes beyond a lane
     for robot in run.result.robots:
         told = robot.properties
         assert {"rank", "strip", "goal", "goal_time", "paint_time", "done_time"} <= told.keys()
         assert told["goal_time"] <= told["paint_time"] < told["done_time"]
-        assert told["strip"][1] - told["strip"][0] == pytest.approx(21 / 4, abs=1e-3)  # 4 digits
+        height = run.judge.region[:, 1].max() / len(run.result.robots)
+        assert told["strip"][1] - told["strip"][0] == pytest.approx(height, abs=1e-3)  # 4 digits
         assert "dio:0" in robot.devices
         assert [text for _, text in robot.said][-2:] == ["painting", "done"]
         assert any(text.startswith("observing") for _, text in robot.said)

@@ -13,11 +13,11 @@ from tests.papers.paint_bench import expected_goals, random_starts, run
 
 SIZE = (16.0, 21.0)
 
+# Placements in which robots hide each other or stand nearly level: hard ones. Others do as well.
+HARD = [(4, 2, 5, 0.0), (4, 2, 192, 1.0), (4, 0, 31, 1.0), (2, 0, 1, 0.0), (8, 0, 24, 0.0)]
 
-@pytest.mark.parametrize(
-    ("robots", "level", "seed", "jitter"),
-    [(4, 2, 5, 0.0), (4, 2, 192, 1.0), (4, 0, 31, 1.0), (2, 0, 1, 0.0), (8, 0, 24, 0.0)],
-)
+
+@pytest.mark.parametrize(("robots", "level", "seed", "jitter"), HARD)
 def test_goals_are_right_and_nobody_is_touched_or_passed(
     robots: int, level: int, seed: int, jitter: float
 ) -> None:
@@ -31,4 +31,6 @@ def test_goals_are_right_and_nobody_is_touched_or_passed(
     assert outcome.contacts == 0
     assert outcome.swaps == 0
     reached = outcome.poses[:, :2]
-    assert reached == pytest.approx(expected_goals(starts, SIZE), abs=0.02)  # AT_GOAL and braking
+    assert reached == pytest.approx(
+        expected_goals(starts, (0.0, 0.0), SIZE), abs=0.02
+    )  # AT_GOAL and braking

@@ -133,6 +133,8 @@ def test_on_every_lane_the_body_stays_inside_and_paints_its_own_strip(
         (["--arena", "5"], "takes two numbers"),
         (["--arena", "16", "21", "--corners", "0,0", "1,0", "0,1"], "give one of them"),
         (["--corners", "0,0", "4,4", "4,0", "0,4"], "convex"),
+        (["--corners", "3,6", "5,0", "0,4", "6,4", "1,0"], "more than once"),
+        (["--jitter", "-0.1"], "at least 0"),
         (["--corners", "1;2"], "is not a corner"),
         (["--speed", "-1"], "is not a number above 0"),
     ],

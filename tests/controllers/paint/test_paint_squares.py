@@ -73,10 +73,11 @@ def test_a_standing_robot_that_is_nearly_level_is_bounded_exactly(
 def test_a_column_of_robots_seen_at_a_slant_is_not_cut_at_the_wrong_places(
     count: int, first: int, spacing: float, x: float, y: float, yaw: float
 ) -> None:
-    # Rays may miss the gaps between robots that stand above each other by a wall.
+    # Rays may miss the gaps between robots that stand above each other by a wall, left or right.
     heights = [h for k in range(count) if (h := 0.6 + (first + k) * spacing) < 20.4]
-    poses = np.array([[x, y, 0.0], *[[0.6, h, 0.0] for h in heights]])
-    for square in sights(poses, math.pi):
+    own, wall = (x, 0.6) if yaw else (16.0 - x, 15.4)
+    poses = np.array([[own, y, 0.0], *[[wall, h, 0.0] for h in heights]])
+    for square in sights(poses, yaw):
         if square.certain:
             assert min(beyond(square, pose) for pose in poses[1:]) <= LAG
 

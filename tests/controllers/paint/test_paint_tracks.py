@@ -21,7 +21,7 @@ def _square(x: float, y: float, vague: float = 0.0, certain: bool = True) -> Squ
 def _followed(*scans: list[Square]) -> Tracks:
     tracks = Tracks(0.5)
     for k, squares in enumerate(scans):
-        tracks.update(squares, 0.1 * k, 0.0, 0.0)
+        tracks.update(squares, 0.1 * k, 0.0)
     tracks.tell_apart()
     return tracks
 
@@ -51,12 +51,12 @@ def test_who_was_taken_for_another_out_of_view_is_not_counted_twice() -> None:
     tracks = Tracks(SPEED)
     lower, upper = (1.94, -2.8), (2.99, -1.24)
     for k in range(4):
-        tracks.update([_square(*lower), _square(*upper)], 0.1 * k, 0.0, 0.0)
+        tracks.update([_square(*lower), _square(*upper)], 0.1 * k, 0.0)
     time = 0.3 + 2.9 / SPEED
-    tracks.update([_square(lower[0] + 2.9, lower[1])], time, 0.0, 0.0)
+    tracks.update([_square(lower[0] + 2.9, lower[1])], time, 0.0)
     for k in range(1, 6):
         both = [_square(lower[0] + 2.9, lower[1]), _square(upper[0] + 2.9, upper[1])]
-        tracks.update(both, time + 0.1 * k, 0.0, 0.0)
+        tracks.update(both, time + 0.1 * k, 0.0)
     tracks.tell_apart()
     assert len(tracks.sure) == 2
 
@@ -64,14 +64,14 @@ def test_who_was_taken_for_another_out_of_view_is_not_counted_twice() -> None:
 def test_a_robot_crosses_while_it_goes_along_its_row_and_a_little_longer() -> None:
     tracks = Tracks(SPEED)
     for k in range(11):
-        tracks.update([_square(3.0 + 0.05 * k, 2.0)], 0.1 * k, 0.0, 0.0)
+        tracks.update([_square(3.0 + 0.05 * k, 2.0)], 0.1 * k, 0.0)
     assert tracks.all[0].crosses(1.0)
     for k in range(11, 12 + int(STANDING / 0.1)):
-        tracks.update([_square(3.5, 2.0)], 0.1 * k, 0.0, 0.0)
+        tracks.update([_square(3.5, 2.0)], 0.1 * k, 0.0)
     assert not tracks.all[0].crosses(1.1 + STANDING)
     for k in range(10):
         time = 1.2 + STANDING + 0.1 * k
-        tracks.update([_square(3.5, 2.0 + 0.05 * k)], time, 0.0, 0.0)
+        tracks.update([_square(3.5, 2.0 + 0.05 * k)], time, 0.0)
     assert not tracks.all[0].crosses(time)
 
 
