@@ -20,7 +20,7 @@ from .move import (
 from .speak import fail, say
 from .task import task_of
 from .turning import side_gaze, turning
-from .waiting import BERTH, PATIENT, make_room, step_aside, wait
+from .waiting import PATIENT, make_room, step_aside, wait
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -32,6 +32,9 @@ AT_GOAL = 0.01
 BLIND = 8.0
 """On the last bit, which it goes without looking, a robot takes into account who it saw this long
 (s) ago: who turns there has done so by then, and has seen it come."""
+
+BERTH = 0.4
+"""A robot that gives another berth on its row (m) is still on it."""
 
 PASSING = 30.0
 """For so long (s) a robot waits for others to pass along their rows beside its goal's row."""

@@ -30,9 +30,6 @@ ROW_BREADTH = 0.02
 """A robot that has not gone up or down yet is this near to its row (m), and comes back to it with
 each step: level robots have to stay level."""
 
-BERTH = 0.4
-"""A robot that gives another berth on its row (m) is still on it."""
-
 
 def wait(brain: Brain, command: Command, decision: Decision) -> None:
     """Look at whom it waits for; after a while step aside to the wall; else look around."""
