@@ -113,7 +113,7 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
         memory.waits += 1
     if waits != (memory.last_act is Act.WAIT):
         memory.waiting_since = brain.time if waits else None
-        memory.step_to = None
+        memory.step_to = memory.giving_way = None
     memory.last_act = decision.act
     if not waits:
         say(

@@ -125,6 +125,9 @@ class Memory:
     held_since: float | None = None
     """Since when somebody beside its row has held it up on its way along it."""
 
+    giving_way: float | None = None
+    """The height to which it leaves a line of level robots, for the others to see each other."""
+
     waits: int = 0
     """How often it had to wait, for the report."""
 

@@ -12,6 +12,7 @@ from .constants import APART, BODY
 from .move import drive, free_travel, looks_at
 from .poring import fine_look
 from .turning import side_gaze, turning
+from .yielding import give_way
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -40,6 +41,8 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
         turning(brain, command, side)
         return
     since = memory.waiting_since if memory.waiting_since is not None else brain.time
+    if give_way(brain, command, blocker, since):
+        return
     level = blocker is not None and blocker.side is Side.LEVEL
     patience = MEASURED if level else PATIENT
     if brain.time - max(since, memory.stepped_at) > patience and memory.step_to is None:
