@@ -55,9 +55,9 @@ others, and `controllers/paint` adds to the paper's three steps what that takes:
   be. It goes when the bounds meet. Until then it looks around, steps aside along its row to where
   it sees most, and goes up or down as far as every rank it may have leads.
 - Robots on one line hide each other for good (`paint_line` has lasers of 27 m, so that they see
-  each other at all). Who stays hidden behind a robot at exactly the own
-  height for a minute is taken to be on that line as well: the one thing that is taken for true
-  without being seen.
+  each other at all). Who stays hidden behind a robot at exactly the own height for two minutes is
+  taken to be on that line as well: the one thing that is taken for true without being seen.
+  Meanwhile a robot that stands between two others, above both or below both, leaves their line.
 - A robot that waits steps aside, so as not to stand in others' view; where it has no room to turn
   it slides. It paints once no strip that it sees holds two robots, which may still be looking, but
   waits no longer than 900 s for that.

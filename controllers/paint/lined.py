@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .brain import Brain
     from .tracks import Track
 
-LONG = 60.0
+LONG = 120.0
 """So long (s) what is known must not have changed."""
 
 _RECENT = 5.0  # s: a look both ways takes less
