@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import look
 from .clearance import reachable
-from .move import drive, free_travel
 from .task import task_of
-from .turning import side_gaze, turning
+from .turning import up_or_down
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -24,8 +22,6 @@ WORTH = 0.3
 LOOKED = 6
 """So many looks are taken first: mostly they tell the rank. Later it is thought of in every third
 one, and in the others of a side-step."""
-
-_ENOUGH = 0.05  # m: this near it has arrived
 
 
 def begin(brain: Brain) -> bool:
@@ -42,16 +38,8 @@ def go_on(brain: Brain, command: Command) -> None:
     memory.row = pose.y
     brain.shadows.move_row(pose.y)
     height = _height(brain)
-    if height is not None and abs(height - pose.y) > _ENOUGH:
-        side = side_gaze(brain)
-        gaze = side if side is not None else look.UP if height > pose.y else look.DOWN
-        if turning(brain, command, gaze):
-            return
-        target = (pose.x, height)
-        travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time)
-        if travel > _ENOUGH:
-            command.motion = drive(pose, target, travel, brain.settings.limits, 0.5)
-            return
+    if height is not None and up_or_down(brain, command, height):
+        return
     if not brain.moving:
         memory.nearing = False
         memory.gaze = pose.yaw

@@ -1,14 +1,18 @@
-"""Turning where there is room, and where to look by a side wall."""
+"""Turning where there is room, where to look by a side wall, and up or down while looking there."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from . import look
-from .move import looks_at, may_turn, turn
+from .move import drive, free_travel, looks_at, may_turn, turn
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
+
+
+NEAR = 0.05
+"""A robot this near to a height (m) has arrived there."""
 
 
 def turning(brain: Brain, command: Command, gaze: float) -> bool:
@@ -33,3 +37,20 @@ def side_gaze(brain: Brain) -> float | None:
     if right - brain.pose.x < look.BY_WALL:
         return look.LEFT
     return None
+
+
+def up_or_down(brain: Brain, command: Command, height: float) -> bool:
+    """One reading's worth of the way to a height; false once it is there or can go no farther."""
+    pose, tracks = brain.pose, brain.memory.tracks.all
+    if abs(height - pose.y) <= NEAR:
+        return False
+    side = side_gaze(brain)
+    gaze = side if side is not None else look.UP if height > pose.y else look.DOWN
+    if turning(brain, command, gaze):
+        return True
+    target = (pose.x, height)
+    travel = free_travel(brain.region, pose, target, tracks, brain.time)
+    if travel <= NEAR:
+        return False
+    command.motion = drive(pose, target, travel, brain.settings.limits, 0.5)
+    return True

@@ -9,13 +9,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from . import look
 from .clearance import reachable
 from .compute import Other, Side
 from .constants import APART, HALF
-from .move import drive, free_travel
 from .tracks import is_higher
-from .turning import side_gaze, turning
+from .turning import up_or_down
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -26,8 +24,6 @@ GIVE_WAY = 20.0
 WORTH = 1.0
 """Less than this (m) does not open the view."""
 
-_ENOUGH = 0.05  # m: this near it has arrived
-
 
 def give_way(brain: Brain, command: Command, blocker: Other | None, since: float) -> bool:
     """Begin or go on with leaving the line; false if there is nothing to do."""
@@ -37,20 +33,12 @@ def give_way(brain: Brain, command: Command, blocker: Other | None, since: float
         if not level or brain.time - since < GIVE_WAY:
             return False
         memory.giving_way = _height(brain)
-    height = memory.giving_way
-    if height is None or abs(height - pose.y) < _ENOUGH:
+    if memory.giving_way is None:
         return False
-    side = side_gaze(brain)
-    gaze = side if side is not None else look.UP if height > pose.y else look.DOWN
-    if turning(brain, command, gaze):
+    if up_or_down(brain, command, memory.giving_way):
         return True
-    target = (pose.x, height)
-    travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time)
-    if travel < _ENOUGH:
-        memory.giving_way = pose.y
-        return False
-    command.motion = drive(pose, target, travel, brain.settings.limits, 0.5)
-    return True
+    memory.giving_way = pose.y
+    return False
 
 
 def _height(brain: Brain) -> float | None:

@@ -36,6 +36,12 @@ def test_all_reach_their_goals_in_order_and_touch_nothing(
         ]  # fmt: skip
 
 
+def test_who_hides_two_nearly_level_robots_from_each_other_leaves_their_line() -> None:
+    # Two robots are level; the third, 6 cm lower, is hidden from the first by the one between.
+    settings = [*NO_PAINT, "controllers.paint.args.jitter=1"]
+    assert judged_run(WORLDS / "paint_case_3.yaml", 1156, settings).faults == []
+
+
 @pytest.mark.parametrize(("world", "seed"), [("line", 23), ("swarm_8", 24)])
 def test_lines_and_crowds_reach_their_goals(world: str, seed: int) -> None:
     assert judged_run(WORLDS / f"paint_{world}.yaml", seed, NO_PAINT).faults == []
