@@ -194,10 +194,10 @@ def back_off_to_turn(brain: Brain, command: Command) -> None:
     if turning(brain, command, look.RIGHT):
         return
     target = (goal[0] + going.final_turn(brain), goal[1])
-    if brain.region.depth_at(*target) < TURN_DEPTH:  # the row lies along a wall: off it a bit
-        middle = 0.5 * (brain.task.strip[0] + brain.task.strip[1])
-        off = math.copysign(TURN_DEPTH - brain.region.depth_at(*target), middle - goal[1])
-        target = (target[0], goal[1] + off)
+    off = TURN_DEPTH - brain.region.depth_at(*target)
+    if off > 0.0:  # the row lies along a wall: off it a bit
+        beside = [(target[0], goal[1] + off), (target[0], goal[1] - off)]
+        target = max(beside, key=lambda place: brain.region.depth_at(*place))
     travel = free_travel(brain.region, pose, target, brain.memory.tracks.all, brain.time)
     command.motion = drive(pose, target, travel, brain.settings.limits, 0.3)
 
@@ -242,16 +242,22 @@ def count(brain: Brain, command: Command) -> None:
         say(brain, command, f"done{more}")
         command.finished = True
         return
-    say(brain, command, f"painted; looking for the robots that I never saw, {robots - 1 - seen}")
-    if brain.time - memory.counting_since > COUNTING:
-        if robots > CROWD:
-            memory.phase = Phase.DONE
-            say(brain, command, f"done; of {robots} robots I saw {_seen(brain)}")
-            command.finished = True
-        else:
-            told = f"I never saw more than {_seen(brain)} of the {robots} robots; told wrong?"
-            fail(brain, command, told)
-        return
+    low, high = brain.task.strip
+    roomy = high - low > APART  # else the neighbours could not turn beside each other
+    if roomy and brain.time - memory.counting_since < COUNTING:
+        missing = robots - 1 - seen
+        say(brain, command, f"painted; looking for the robots that I never saw, {missing}")
+        _look_around(brain, command)
+    elif robots > CROWD:
+        memory.phase = Phase.DONE
+        say(brain, command, f"done; of {robots} robots I saw {_seen(brain)}")
+        command.finished = True
+    else:
+        told = f"I never saw more than {_seen(brain)} of the {robots} robots; told wrong?"
+        fail(brain, command, told)
+
+
+def _look_around(brain: Brain, command: Command) -> None:
     gaze = side_gaze(brain)
     if gaze is None:
         gaze = (look.LEFT, look.RIGHT)[int(brain.time / look.LOOKING) % 2]

@@ -96,6 +96,10 @@ def _decide(brain: Brain) -> Decision:
         return Decision(Act.CROSS, task.goal)
     on_row = memory.crossing and abs(pose.y - task.goal[1]) < BERTH
     decision = decide(pose.x, task.goal[1] if on_row else pose.y, task, seen)
+    steps = memory.last_act is Act.WAIT and memory.step_to is not None
+    if decision.act is Act.CROSS and steps and hidden_on_row(brain, task.goal[0] - HALF):
+        assert memory.decision is not None  # it is on its way aside, and does not see its row
+        return memory.decision
     if decision.act is Act.CLIMB:
         upwards = decision.target[1] > pose.y
         limit = unseen_limit(brain, upwards)
@@ -114,6 +118,9 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
     if waits != (memory.last_act is Act.WAIT):
         memory.waiting_since = brain.time if waits else None
         memory.step_to = memory.giving_way = None
+        memory.gaze = brain.pose.yaw
+    if decision.act is not memory.last_act:
+        memory.held_since = None
     memory.last_act = decision.act
     if not waits:
         say(

@@ -68,7 +68,7 @@ def row_places(region: Region, pose: Pose, tracks: list[Track], time: float) -> 
     places = [pose.x]
     for direction in (-1.0, 1.0):
         x = pose.x
-        while room[0] < x < room[1]:
+        while x > room[0] if direction < 0.0 else x < room[1]:
             x = min(max(x + direction * _STRIDE, room[0]), room[1])
             if any(_in_way(track, x, pose, time) for track in tracks):
                 break

@@ -111,7 +111,7 @@ class Memory:
     """Where a side-step goes to (x), until it is made."""
 
     stepped_at: float = 0.0
-    """When it last thought of stepping aside."""
+    """When it last thought of stepping aside, or came to stand where it stepped to."""
 
     counting_since: float = 0.0
     """Since when it has painted and looks for robots that it never saw."""

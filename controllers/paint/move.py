@@ -23,9 +23,6 @@ TURN_KEEP = 1.25
 STAND_KEEP = 1.07
 """The same for a body that cannot turn, between walls or painting."""
 
-TURN_RADIUS = TURNING + HALF + 0.03
-"""Nobody in view is nearer than this when a robot turns (m)."""
-
 NEAR_FACE = TURNING + 0.03
 """No point of another body is nearer than this when a robot turns (m)."""
 
@@ -85,21 +82,27 @@ def may_turn(
     if nearest < (NEAR_FACE if begun else NEAR_TURNER):
         return False
     for track in tracks:
-        if time - 2.0 < track.seen < time:
-            x, y = track.centre
-            radius = BOTH_TURN_RADIUS if can_turn(region, x, y) and not begun else TURN_RADIUS
-            if math.hypot(x - pose.x, y - pose.y) < radius:
-                return False
+        if track.seen == time:
+            continue  # the laser tells better
+        away, face = _distances(track, pose.x, pose.y)
+        both = can_turn(region, *track.centre) and not begun
+        if away < BOTH_TURN_RADIUS if both else face < NEAR_FACE:
+            return False
     return True
 
 
 def room_to_turn(region: Region, x: float, y: float, track: Track) -> bool:
     """Whether a robot is far enough from a place to turn there, as `may_turn` takes it."""
-    dx, dy = abs(track.centre[0] - x), abs(track.centre[1] - y)
-    face = math.hypot(max(0.0, dx - HALF), max(0.0, dy - HALF))
+    away, face = _distances(track, x, y)
     if can_turn(region, *track.centre):
-        return math.hypot(dx, dy) > BOTH_TURN_RADIUS and face > NEAR_TURNER
-    return math.hypot(dx, dy) > TURN_RADIUS and face + TURNING - HALF > NEAR_TURNER
+        return away > BOTH_TURN_RADIUS and face > NEAR_TURNER
+    return face > NEAR_FACE
+
+
+def _distances(track: Track, x: float, y: float) -> tuple[float, float]:
+    """How far from a place the centre of a robot is, and its body if it stands straight (m)."""
+    dx, dy = abs(track.centre[0] - x), abs(track.centre[1] - y)
+    return math.hypot(dx, dy), math.hypot(max(0.0, dx - HALF), max(0.0, dy - HALF))
 
 
 def keep_of(region: Region, track: Track) -> float:

@@ -25,7 +25,11 @@ others from each other, of whom it waits for one.
 """
 
 MEASURED = 24.0
-"""A robot that waits for one at its own height gives that one so long (s) to measure it."""
+"""A robot that waits for one at its own height gives that one so long (s) to measure it, and one
+that waits by a side wall, where it hides the least, stays there so long."""
+
+AWAY = 2.0 / 3.0
+"""So often a robot that waits for one on its own row goes to the far end of it."""
 
 ROW_BREADTH = 0.02
 """A robot that has not gone up or down yet is this near to its row (m), and comes back to it with
@@ -37,14 +41,11 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
     memory, pose = brain.memory, brain.pose
     side = side_gaze(brain)
     blocker = decision.waits_for
-    if side is not None:
-        turning(brain, command, side)
-        return
     since = memory.waiting_since if memory.waiting_since is not None else brain.time
     if give_way(brain, command, blocker, since):
         return
     level = blocker is not None and blocker.side is Side.LEVEL
-    patience = MEASURED if level else PATIENT
+    patience = MEASURED if level or side is not None else PATIENT
     if brain.time - max(since, memory.stepped_at) > patience and memory.step_to is None:
         memory.step_to = _where_to_wait(brain, memory.stepped_at < since, blocker)
         memory.stepped_at = brain.time
@@ -52,6 +53,10 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
         if abs(pose.x - memory.step_to) > 0.3 and step_aside(brain, command):
             return
         memory.step_to = None
+        memory.stepped_at = brain.time  # it stands there a while, for the others to look
+    if side is not None:
+        turning(brain, command, side)
+        return
     if blocker is not None and blocker.side is Side.UNSURE:
         if fine_look(brain, command):
             return
@@ -86,7 +91,8 @@ def make_room(brain: Brain, command: Command) -> None:
 def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | None:
     """Where on its row to step to: to the wall, to anywhere, or for the best view of its way.
 
-    From who is on its row itself it goes away, as far as it can.
+    From who is on its row itself it goes away as far as it can, or as near as it can: a coin says
+    which, because there may be others on its row, on either side.
     """
     pose, tracks = brain.pose, brain.memory.tracks.all
     places = look.row_places(brain.region, pose, tracks, brain.time)
@@ -95,9 +101,11 @@ def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | 
         return look.step_for_view(
             pose, places, tracks, brain.shadows, (upwards, not upwards), brain.draw()
         )
-    # At the far end of its row nothing fits behind it that the other cannot see.
+    # Far from the other nothing fits behind it that the other cannot see; near it, nothing that
+    # those on its other side cannot see.
     if not first and abs(blocker.y - pose.y) < BODY:
-        return max(places, key=lambda x: abs(x - blocker.x))
+        end = max if brain.draw() < AWAY else min
+        return end(places, key=lambda x: abs(x - blocker.x))
     return min(places) if first else sorted(places)[int(brain.draw() * len(places))]
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .clearance import reachable
-from .compute import Other, Side
+from . import look
+from .clearance import others, reachable
+from .compute import Other, Side, is_lower
 from .constants import APART, HALF
-from .tracks import is_higher
-from .turning import up_or_down
+from .turning import turning, up_or_down
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -24,31 +24,36 @@ GIVE_WAY = 20.0
 WORTH = 1.0
 """Less than this (m) does not open the view."""
 
+LOOKING = 10.0
+"""As long as it does not see the way free, it looks there for so long (s) now and then."""
+
 
 def give_way(brain: Brain, command: Command, blocker: Other | None, since: float) -> bool:
     """Begin or go on with leaving the line; false if there is nothing to do."""
     memory, pose = brain.memory, brain.pose
     if memory.giving_way is None:
+        waited = brain.time - since
         level = blocker is not None and blocker.side is Side.LEVEL
-        if not level or brain.time - since < GIVE_WAY:
+        away = _away(brain) if level and waited > GIVE_WAY else None
+        if away is None:
             return False
-        memory.giving_way = _height(brain)
-    if memory.giving_way is None:
-        return False
+        height = reachable(brain, pose.y + away)
+        if not (abs(height - pose.y) > WORTH and math.isfinite(height)):
+            looks = waited % (2.0 * GIVE_WAY) > 2.0 * GIVE_WAY - LOOKING
+            return looks and turning(brain, command, look.UP if away > 0.0 else look.DOWN)
+        memory.giving_way = height
     if up_or_down(brain, command, memory.giving_way):
         return True
     memory.giving_way = pose.y
     return False
 
 
-def _height(brain: Brain) -> float | None:
-    """The height to go to; None if it does not stand between two, or they are not on one side."""
+def _away(brain: Brain) -> float | None:
+    """How far up or down to go; None if it does not stand between two, both on one side."""
     pose = brain.pose
-    line = [t for t in brain.memory.tracks.sure if abs(t.centre[1] - pose.y) < HALF]
-    beside = {track.centre[0] > pose.x for track in line}
-    sides = {is_higher(pose.x, track) for track in line}
-    if len(beside) < 2 or len(sides) > 1 or None in sides:
+    line = [other for other in others(brain) if abs(other.y - pose.y) < HALF]
+    beside = {other.x > pose.x for other in line}
+    lower = {is_lower(pose.x, other.side, other.x) for other in line}
+    if len(beside) < 2 or len(lower) > 1 or None in lower:
         return None
-    away = -APART if True in sides else APART
-    height = reachable(brain, pose.y + away)
-    return height if abs(height - pose.y) > WORTH and math.isfinite(height) else None
+    return APART if True in lower else -APART
