@@ -1,13 +1,13 @@
 """Reproduce the results of the paper on Paint: write docs/results/paint.md and its pictures.
 
-    scripts/paint_cases [--tests N] [--jitter S] [--speeds V V] [--worlds NAME ...] [--swarms N]
+    scripts/paint_cases [--tests N] [--jitter S] [--speeds V V] [--worlds NAME ...]
                         [--out FOLDER]
 
 Runs the paper's three cases, N tests each (5, as in its section 5), at both speeds, as far as the
 goals, and with painting all again at the higher speed and one at the lower; then every world.
 Takes some ten minutes with its defaults on one core.
-`--jitter 1` gives each robot cycles of random length up to 1 s; `--swarms 100` counts over as many
-placements of 8, 12 and 16 robots how many reach their goals (hours). Needs matplotlib.
+`--jitter 1` gives each robot cycles of random length up to 1 s. The counts over many placements are
+those that `scripts/paint_placements` left in docs/results/paint. Needs matplotlib.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
 import paint_figures as figures  # noqa: E402
 from paint_perception import errors  # noqa: E402
+from paint_placements import TABLE, Row, read  # noqa: E402
 
 import troupe  # noqa: E402
 from sim.result import Result  # noqa: E402
@@ -81,6 +82,13 @@ BARE = """\
 In the convex region a little more than a thousandth stays bare: triangles beside the slanted edges
 where two strips meet, around (2.5, 15.9) the largest, then (13.9, 5.4) and (13.9, 15.6). A body
 that keeps to its own strip and off the walls cannot bring a square sprayer there.
+"""
+
+
+OVER = """\
+Each a run as far as the goals, at 0.5 m/s and for at most 1800 s, by `scripts/paint_placements`; a
+row each in [placements.csv](paint/placements.csv). "Seconds" are of those in which all goals are
+right.
 """
 
 
@@ -207,27 +215,33 @@ def worlds(kinds: Sequence[str], folder: Path) -> str:
     return f"## Whole runs\n\n{table([*heads, 'contacts'], rows)}\n{BARE}\n{strips}"
 
 
-def swarms(placements: int, jitter: float) -> str:
-    """Over random placements of 8, 12 and 16 robots, how many reach all goals in 1800 s."""
+def placements(path: Path) -> str:
+    """The table of `scripts/paint_placements`, summed up; nothing if there is none."""
+    groups: dict[tuple[str, float], list[Row]] = {}
+    for row in read(path):
+        groups.setdefault((row.world, row.jitter), []).append(row)
+    if not groups:
+        return ""
     rows = []
-    for count in (8, 12, 16):
-        times, robots, contacts, swaps = [], 0, 0, 0
-        for seed in range(placements):
-            judged = run(f"swarm_{count}", seed, SPEEDS[1], jitter, paint=False)
-            late = (last(judged.result, "goal_time") or 1e9) > 1800.0
-            robots += sum(judged.right)
-            contacts += len(judged.judge.contacts)
-            swaps += len(judged.judge.swaps)
-            if all(judged.right) and not late:
-                times.append(last(judged.result, "goal_time") or 0.0)
-        share = f"{len(times)} of {placements}"
+    for (world, jitter), runs in sorted(groups.items(), key=lambda item: item[1][0].robots):
+        times = sorted(row.seconds for row in runs if row.right == row.robots)
         rows.append(
-            [count, share, f"{robots} of {count * placements}", mean(times), contacts, swaps]
+            [
+                f"`paint_{world}`",
+                runs[0].robots,
+                f"{jitter:g}",
+                f"{len(times)} of {len(runs)}",
+                f"{sum(row.right for row in runs)} of {sum(row.robots for row in runs)}",
+                sum(row.contacts for row in runs),
+                sum(row.swaps for row in runs),
+                f"{statistics.median(times):.0f}" if times else "-",
+                f"{times[max(0, round(0.95 * len(times)) - 1)]:.0f}" if times else "-",
+                f"{times[-1]:.0f}" if times else "-",
+            ]
         )
-        print(*rows[-1], flush=True)
-    heads = ["robots", "all goals right within 1800 s", "robots at their goals", "seconds"]
-    heads += ["contacts", "order changed"]
-    return f"## Swarms\n\n{table(heads, rows)}\n"
+    heads = ["world", "robots", "cycles up to, s", "all goals right", "robots at their goals"]
+    heads += ["contacts", "order changed", "seconds, median", "95 %", "most"]
+    return f"## Over many placements\n\n{OVER}\n{table(heads, rows)}\n"
 
 
 def perception(scenes: int) -> str:
@@ -264,7 +278,6 @@ def main() -> None:
     options.add_argument("--tests", type=int, default=5, help="placements per case")
     options.add_argument("--jitter", type=float, default=0.0, help="longest cycle, s")
     options.add_argument("--speeds", type=float, nargs="+", default=SPEEDS, help="m/s")
-    options.add_argument("--swarms", type=int, default=0, help="placements per swarm")
     options.add_argument("--scenes", type=int, default=1000, help="scenes for perception")
     options.add_argument(
         "--worlds", nargs="*", default=KINDS, choices=KINDS, help="those run whole, with painting"
@@ -284,8 +297,7 @@ def main() -> None:
     page.add(perception(given.scenes))
     if given.worlds:
         page.add(worlds(given.worlds, folder))
-    if given.swarms:
-        page.add(swarms(given.swarms, given.jitter))
+    page.add(placements(given.out / "paint" / TABLE.name))
     print(page.path)
 
 

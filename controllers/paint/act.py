@@ -187,16 +187,21 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
 def back_off_to_turn(brain: Brain, command: Command) -> None:
     """At the goal with the wall before its nose: go back along the row to where it can turn.
 
-    That happens where a neighbour was too near to turn on the way. The row behind is the one
-    that it came along, and nobody may have come within epsilon of it since.
+    That happens where a neighbour was too near to turn on the way, or where the row lies along a
+    wall. The row behind is the one that it came along, and nobody may have come within epsilon of
+    it since; who has to leave it does so past its neighbour's goal.
     """
     pose, goal = brain.pose, brain.task.goal
     if turning(brain, command, look.RIGHT):
         return
-    target = (goal[0] + going.final_turn(brain), goal[1])
-    off = TURN_DEPTH - brain.region.depth_at(*target)
-    if off > 0.0:  # the row lies along a wall: off it a bit
-        beside = [(target[0], goal[1] + off), (target[0], goal[1] - off)]
+    low, high = brain.task.strip
+    x = goal[0] + going.final_turn(brain)
+    off = TURN_DEPTH - brain.region.depth_at(x, goal[1])
+    if off > 0.0 and high - low - off < STAND_KEEP:
+        x = goal[0] + max(going.FINAL_TURN)
+    target = (x, goal[1])
+    if off > 0.0 and pose.x > x - 0.05:
+        beside = [(x, goal[1] + off), (x, goal[1] - off)]
         target = max(beside, key=lambda place: brain.region.depth_at(*place))
     travel = free_travel(brain.region, pose, target, brain.memory.tracks.all, brain.time)
     command.motion = drive(pose, target, travel, brain.settings.limits, 0.3)
@@ -231,8 +236,9 @@ def count(brain: Brain, command: Command) -> None:
     """After painting: say "done" if all the robots that it was told of were ever seen.
 
     As the order never changes, the most that were ever seen above and below at one time are
-    different robots. Where some were not, it looks for them for a while: with a wrong number the
-    robots' strips do not make up the region, and nobody must take it for painted.
+    different robots. Where some were not, it looks for them for a while, as it stands in strips too
+    low to turn in: with a wrong number the robots' strips do not make up the region, and nobody
+    must take it for painted.
     """
     memory, robots = brain.memory, brain.settings.robots
     seen = sum(memory.most)
@@ -243,11 +249,14 @@ def count(brain: Brain, command: Command) -> None:
         command.finished = True
         return
     low, high = brain.task.strip
-    roomy = high - low > APART  # else the neighbours could not turn beside each other
-    if roomy and brain.time - memory.counting_since < COUNTING:
+    # Neighbours whose lanes are nearer to each other could not turn at the same time.
+    roomy = min(high - low, brain.settings.sprayer[1]) >= APART
+    looking = roomy or robots <= CROWD
+    if looking and brain.time - memory.counting_since < COUNTING:
         missing = robots - 1 - seen
         say(brain, command, f"painted; looking for the robots that I never saw, {missing}")
-        _look_around(brain, command)
+        if roomy:
+            _look_around(brain, command)
     elif robots > CROWD:
         memory.phase = Phase.DONE
         say(brain, command, f"done; of {robots} robots I saw {_seen(brain)}")

@@ -21,7 +21,7 @@ from .hidden import Shadows, refuted
 from .lined import hidden_on_line
 from .localize import drift, locate
 from .memory import Memory, Phase
-from .move import LIMITS, REST, Limits, Motion, can_turn
+from .move import LIMITS, NEARBY, REST, Limits, Motion, Near, can_turn
 from .observe import CLEAR_OF_WALL, Patch, Scan, red_points, see_robots, take_scan, wall_points
 from .ranking import RankBounds
 from .squares import Square
@@ -30,6 +30,8 @@ from .tracks import Tracks, is_higher
 CORRECTION = 0.5
 """Odometry is compared with the walls this often (s)."""
 
+
+FAR = Near(math.inf, math.inf)
 
 SURE = 8
 """When all robots are in view at once, each seen in this many scans, nobody is in the shadows."""
@@ -87,7 +89,7 @@ class Brain:
         self.pose = Pose(0.0, 0.0, 0.0)
         self.time = 0.0
         self.moving = False
-        self.nearest = math.inf
+        self.nearest = FAR
         self.spacing = math.radians(1.0)  # rad between the laser's rays
 
     @property
@@ -215,16 +217,19 @@ class Brain:
         self._narrow(unseen)
 
     def _find_nearest(self, scan: Scan, depth: Floats) -> None:
-        """The range of the nearest point on a robot, as `may_turn` takes it."""
-        ranges = np.where(depth > CLEAR_OF_WALL, scan.ranges, math.inf)
-        ray = int(np.argmin(ranges))
-        self.nearest = float(ranges[ray])
-        point = scan.points[ray]
-        near = [t for t in self.memory.tracks.all if t.seen == self.time]
+        """The ranges of the nearest points on robots, as `may_turn` takes them."""
+        rays = np.flatnonzero((depth > CLEAR_OF_WALL) & (scan.ranges < NEARBY))
+        if rays.size == 0:
+            self.nearest = FAR
+            return
+        ranges = scan.ranges[rays]
+        adds = np.zeros(len(rays))
+        near = [t.centre for t in self.memory.tracks.all if t.seen == self.time]
         if near:
-            owner = min(near, key=lambda t: t.distance(float(point[0]), float(point[1])))
-            if not can_turn(self.region, *owner.centre):
-                self.nearest += TURNING - HALF
+            away = np.hypot(*(scan.points[rays, None, :] - np.array(near)[None]).transpose(2, 0, 1))
+            stands = np.array([not can_turn(self.region, x, y) for x, y in near])
+            adds = np.where(stands[away.argmin(axis=1)], TURNING - HALF, 0.0)
+        self.nearest = Near(float(ranges.min()), float((ranges + adds).min()))
 
     def _narrow(self, unseen: int) -> None:
         """Narrow the bounds on the rank by what is followed and what is in shadow."""

@@ -42,7 +42,7 @@ PASSING = 30.0
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
 _NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
-_FINAL_TURN = (1.0, 2.3)  # m before the goal at which robots of even and odd ranks turn round
+FINAL_TURN = (1.0, 2.3)  # m before the goal at which robots of even and odd ranks turn round
 
 
 def set_out(brain: Brain, command: Command) -> None:
@@ -98,8 +98,7 @@ def _decide(brain: Brain) -> Decision:
     decision = decide(pose.x, task.goal[1] if on_row else pose.y, task, seen)
     steps = memory.last_act is Act.WAIT and memory.step_to is not None
     if decision.act is Act.CROSS and steps and hidden_on_row(brain, task.goal[0] - HALF):
-        assert memory.decision is not None  # it is on its way aside, and does not see its row
-        return memory.decision
+        return Decision(Act.WAIT, (pose.x, pose.y))  # on its way aside it does not see its row
     if decision.act is Act.CLIMB:
         upwards = decision.target[1] > pose.y
         limit = unseen_limit(brain, upwards)
@@ -121,6 +120,8 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
         memory.gaze = brain.pose.yaw
     if decision.act is not memory.last_act:
         memory.held_since = None
+    if decision.act is Act.CLIMB:
+        memory.stepped = False
     memory.last_act = decision.act
     if not waits:
         say(
@@ -214,7 +215,7 @@ def _beside_edge(brain: Brain, height: float) -> float:
 def final_turn(brain: Brain) -> float:
     """How far before the goal to turn round; where strips are low, neighbours do it elsewhere."""
     low, high = brain.task.strip
-    return _FINAL_TURN[brain.memory.bounds.below[0] % 2 if high - low < 2 * APART else 0]
+    return FINAL_TURN[brain.memory.bounds.below[0] % 2 if high - low < 2 * APART else 0]
 
 
 def held_up(brain: Brain, travel: float) -> bool:
@@ -231,6 +232,11 @@ def _cross(brain: Brain, command: Command) -> None:
     memory, pose, task = brain.memory, brain.pose, brain.task
     left = pose.x - task.goal[0]
     memory.crossing = True
+    if memory.step_to is not None:
+        memory.row_clear = False
+        make_room(brain, command)
+        if memory.step_to is not None:
+            return
     turn_at = final_turn(brain)
     gaze, aim_x = look.LEFT, task.goal[0] + turn_at
     if left <= turn_at + 0.05 or memory.row_clear:
@@ -253,7 +259,12 @@ def _cross(brain: Brain, command: Command) -> None:
         target = (pose.x, height)
     recent = BLIND if memory.row_clear else 3.0
     travel = free_travel(brain.region, pose, target, memory.tracks.all, brain.time, recent=recent)
-    if held_up(brain, travel) or memory.step_to is not None:
+    if travel <= 0.0:  # where it gave somebody berth it goes past that one before it comes back
+        target = (aim_x, pose.y)
+        travel = free_travel(
+            brain.region, pose, target, memory.tracks.all, brain.time, recent=recent
+        )
+    if held_up(brain, travel):
         memory.row_clear = False
         make_room(brain, command)
         return

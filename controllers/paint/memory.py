@@ -111,7 +111,10 @@ class Memory:
     """Where a side-step goes to (x), until it is made."""
 
     stepped_at: float = 0.0
-    """When it last thought of stepping aside, or came to stand where it stepped to."""
+    """When it last thought of stepping aside, or, waiting, came to stand where it stepped to."""
+
+    stepped: bool = False
+    """Whether it has stepped aside on this row: first it steps to the wall, then elsewhere."""
 
     counting_since: float = 0.0
     """Since when it has painted and looks for robots that it never saw."""

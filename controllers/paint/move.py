@@ -2,7 +2,7 @@
 
 Bodies here may turn on the spot where they stand, so a robot that moves keeps far enough from
 whoever has room to turn (TURN_KEEP, in both axes); one that stands by a wall it may pass at
-STAND_KEEP. Who turns can then do so wherever it stands, as long as nobody in view is near.
+STAND_KEEP. Who turns can then do so wherever it stands, as long as nobody known is near.
 """
 
 from __future__ import annotations
@@ -29,8 +29,14 @@ NEAR_FACE = TURNING + 0.03
 NEAR_TURNER = 2.0 * TURNING - HALF + 0.03
 """... or than this, if the other body may turn at the same time: its corners then come nearer."""
 
+NEARBY = 1.5
+"""Who is farther than this (m) keeps nobody from turning."""
+
+BEGUN = TURNING + 0.01
+"""... or than this, if it has begun to turn."""
+
 BOTH_TURN_RADIUS = 2.0 * TURNING + 0.03
-"""... or than this, if the other has room to turn as well."""
+"""No centre of another body that has room to turn as well is nearer than this (m)."""
 
 WALL_GAP = 0.03
 """Nobody drives nearer to a wall than this (m)."""
@@ -45,6 +51,14 @@ class Limits(NamedTuple):
     speed: float
     turn_rate: float
     interval: float
+
+
+class Near(NamedTuple):
+    """The range of the nearest laser point on a robot (m), and of the nearest on one with room to
+    turn; a point on a robot without counts there as if it were farther, by what turning adds."""
+
+    face: float
+    turner: float
 
 
 class Motion(NamedTuple):
@@ -67,26 +81,24 @@ def can_turn(region: Region, x: float, y: float) -> bool:
 
 
 def may_turn(
-    region: Region, pose: Pose, tracks: Iterable[Track], time: float, nearest: float
+    region: Region, pose: Pose, tracks: Iterable[Track], time: float, nearest: Near
 ) -> bool:
-    """Whether this robot may turn here and now: walls and the robots in view are far enough.
+    """Whether this robot may turn here and now: walls and robots are far enough.
 
-    `nearest` is the range of the nearest laser point on a robot that could turn as well, or, of
-    one that cannot, that range and what a turn adds to a body's reach.
-
-    A turn that was begun is finished even if another comes nearer meanwhile.
+    Of robots in view the laser tells, `nearest`; the others are where they were last seen, as long
+    as they are followed. A turn that was begun is finished as long as it hits nobody that stands.
     """
     begun = abs(math.remainder(pose.yaw, math.pi / 2)) > math.radians(2.0)
     if region.depth_at(pose.x, pose.y) < (TURNING if begun else WALL_ROOM - 0.005):
         return False
-    if nearest < (NEAR_FACE if begun else NEAR_TURNER):
+    if nearest.face < BEGUN if begun else nearest.turner < NEAR_TURNER:
         return False
     for track in tracks:
         if track.seen == time:
             continue  # the laser tells better
         away, face = _distances(track, pose.x, pose.y)
         both = can_turn(region, *track.centre) and not begun
-        if away < BOTH_TURN_RADIUS if both else face < NEAR_FACE:
+        if away < BOTH_TURN_RADIUS if both else face < (BEGUN if begun else NEAR_FACE):
             return False
     return True
 

@@ -47,8 +47,8 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
     level = blocker is not None and blocker.side is Side.LEVEL
     patience = MEASURED if level or side is not None else PATIENT
     if brain.time - max(since, memory.stepped_at) > patience and memory.step_to is None:
-        memory.step_to = _where_to_wait(brain, memory.stepped_at < since, blocker)
-        memory.stepped_at = brain.time
+        memory.step_to = _where_to_wait(brain, not memory.stepped, blocker)
+        memory.stepped, memory.stepped_at = True, brain.time
     if memory.step_to is not None:
         if abs(pose.x - memory.step_to) > 0.3 and step_aside(brain, command):
             return
@@ -76,7 +76,7 @@ def wait(brain: Brain, command: Command, decision: Decision) -> None:
 
 
 def make_room(brain: Brain, command: Command) -> None:
-    """Between others it can neither turn nor go on: step aside along its row, to anywhere."""
+    """Between others it cannot turn, or not go on: step aside along its row, to anywhere."""
     memory, pose = brain.memory, brain.pose
     if memory.step_to is None and brain.time - memory.stepped_at > PATIENT:
         memory.stepped_at = brain.time

@@ -6,13 +6,13 @@ are below (or both above), it can leave the line on the other side without a cha
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from . import look
 from .clearance import others, reachable
 from .compute import Other, Side, is_lower
 from .constants import APART, HALF
+from .move import looks_at
 from .turning import turning, up_or_down
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ GIVE_WAY = 20.0
 WORTH = 1.0
 """Less than this (m) does not open the view."""
 
-LOOKING = 10.0
-"""As long as it does not see the way free, it looks there for so long (s) now and then."""
+PEEK = 7.0
+"""As long as it does not see the way free, it turns there for so long (s) now and then."""
 
 
 def give_way(brain: Brain, command: Command, blocker: Other | None, since: float) -> bool:
@@ -34,26 +34,29 @@ def give_way(brain: Brain, command: Command, blocker: Other | None, since: float
     if memory.giving_way is None:
         waited = brain.time - since
         level = blocker is not None and blocker.side is Side.LEVEL
-        away = _away(brain) if level and waited > GIVE_WAY else None
-        if away is None:
+        away, certain = _away(brain) if level and waited > GIVE_WAY else (0.0, False)
+        if away == 0.0:
             return False
-        height = reachable(brain, pose.y + away)
-        if not (abs(height - pose.y) > WORTH and math.isfinite(height)):
-            looks = waited % (2.0 * GIVE_WAY) > 2.0 * GIVE_WAY - LOOKING
-            return looks and turning(brain, command, look.UP if away > 0.0 else look.DOWN)
-        memory.giving_way = height
-    if up_or_down(brain, command, memory.giving_way):
+        if not certain or abs(reachable(brain, pose.y + away) - pose.y) < WORTH:
+            gaze = look.UP if away > 0.0 else look.DOWN
+            peeks = waited % (2.0 * GIVE_WAY) > 2.0 * GIVE_WAY - PEEK
+            return peeks and (turning(brain, command, gaze) or looks_at(pose, gaze))
+        memory.giving_way = pose.y + away
+    if up_or_down(brain, command, reachable(brain, memory.giving_way)):
         return True
     memory.giving_way = pose.y
     return False
 
 
-def _away(brain: Brain) -> float | None:
-    """How far up or down to go; None if it does not stand between two, both on one side."""
+def _away(brain: Brain) -> tuple[float, bool]:
+    """How far up or down to go, and whether the whole line is known to be on the other side.
+
+    0 if it does not stand between two, or they are not on one side.
+    """
     pose = brain.pose
     line = [other for other in others(brain) if abs(other.y - pose.y) < HALF]
     beside = {other.x > pose.x for other in line}
     lower = {is_lower(pose.x, other.side, other.x) for other in line}
-    if len(beside) < 2 or len(lower) > 1 or None in lower:
-        return None
-    return APART if True in lower else -APART
+    if len(beside) < 2 or lower >= {True, False} or lower == {None}:
+        return 0.0, False
+    return APART if True in lower else -APART, None not in lower

@@ -42,7 +42,7 @@ def test_who_hides_two_nearly_level_robots_from_each_other_leaves_their_line() -
     assert judged_run(WORLDS / "paint_case_3.yaml", 1156, settings).faults == []
 
 
-@pytest.mark.parametrize(("world", "seed"), [("line", 23), ("swarm_8", 24)])
+@pytest.mark.parametrize(("world", "seed"), [("line", 23), ("swarm_8", 7), ("swarm_12", 38)])
 def test_lines_and_crowds_reach_their_goals(world: str, seed: int) -> None:
     assert judged_run(WORLDS / f"paint_{world}.yaml", seed, NO_PAINT).faults == []
 
@@ -134,6 +134,13 @@ def test_names_order_in_the_file_and_the_arenas_place_make_no_difference(tmp_pat
     moved = goals_by_start(write_world(tmp_path, [3, 2, 1, 0], 3.0, "m"))
     assert shuffled == plain
     assert moved == plain
+
+
+def test_sixteen_paint_all_of_the_floor_in_strips_too_low_to_turn_beside_each_other() -> None:
+    run = judged_run(WORLDS / "paint_swarm_16.yaml", 1)
+    assert run.faults == []
+    assert run.result.floor.coverage >= 0.999
+    assert painted_outside(run) < 0.11  # a lane of 1.5 m on a strip of 1.3125 m, and braking
 
 
 @pytest.mark.parametrize(("told", "message"), [(5, "5 robots"), (3, "not 3")])
