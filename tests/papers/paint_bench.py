@@ -88,10 +88,20 @@ def run(
     *,
     duration: float = 1800.0,
     seed: int = 0,
+    ranks: Sequence[int | None] | None = None,
+    each_tick: Callable[[float, NDArray[np.float64]], None] = lambda time, poses: None,
 ) -> Outcome:
-    """Run robots that start at (n, 3) poses in a region until all have finished or failed."""
+    """Run robots that start at (n, 3) poses in a region until all have finished or failed.
+
+    `ranks`, if given, are what the first robots know of their ranks from the beginning; the others
+    only stand there. `each_tick(time, poses)` may move those.
+    """
     count = len(starts)
     brains = [Brain(settings(i), np.random.default_rng([seed, i]).random) for i in range(count)]
+    for brain, rank in zip(brains, ranks or (), strict=False):
+        if rank is not None:
+            below, above = rank - 1, brain.settings.robots - rank
+            brain.memory.bounds.below, brain.memory.bounds.above = (below, below), (above, above)
     scene = Scene()
     walls = scene.add_entity(color=RED)
     scene.add_segments(walls, np.hstack([region, np.roll(region, -1, axis=0)]))
@@ -104,6 +114,7 @@ def run(
         0.0, [False] * count, [{} for _ in starts], [None] * count, poses, starts.copy()
     )
     outcome.said = [[] for _ in starts]
+    outcome.finished = [ranks is not None and i >= len(ranks) for i in range(count)]
     order = np.lexsort((starts[:, 0], starts[:, 1]))
     level = np.isclose(starts[order[1:], 1], starts[order[:-1], 1], rtol=0.0, atol=1e-9)
     own = np.arange(1, count + 1)
@@ -119,6 +130,7 @@ def run(
         f or e for f, e in zip(outcome.finished, outcome.failures, strict=True)
     ):
         time = tick * INTERVAL
+        each_tick(time, poses)
         scene.poses[1:] = poses
         scene.refresh()
         ranges, _ = cast(scene, poses, own, fov, 180, 20.0)

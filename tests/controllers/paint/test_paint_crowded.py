@@ -1,0 +1,59 @@
+"""One robot of known rank in a tight place, beside others that only stand there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from controllers.paint.brain import Settings
+from controllers.paint.constants import SPRAYER
+from controllers.paint.geometry import rectangle
+from controllers.paint.task import task_of
+from tests.papers.paint_bench import run
+
+ROOM = rectangle(16.0, 21.0)
+CORNERS = np.array([(0.0, 0.0), (16.0, 0.0), (16.0, 21.0), (0.0, 21.0)])
+
+
+@pytest.mark.parametrize(("robots", "rank"), [(16, 1), (16, 16), (18, 1), (19, 1), (19, 19)])
+def test_at_a_goal_along_a_wall_it_backs_off_turns_and_paints(robots: int, rank: int) -> None:
+    goal = task_of(ROOM, rank, robots, SPRAYER[1]).goal
+    neighbour = task_of(ROOM, 2 if rank == 1 else robots - 1, robots, SPRAYER[1]).goal
+    start = (5.0, min(max(goal[1], 0.75), 20.25), 0.0)
+    outcome = run(
+        np.array([start, (*neighbour, 0.0)]),
+        lambda i: Settings(robots),
+        CORNERS,
+        duration=300.0,
+        ranks=[rank],
+    )
+    assert outcome.failures == [None, None]
+    assert outcome.finished == [True, True]
+    assert outcome.contacts == 0
+    assert outcome.said[0][-1][1] == f"done; of {robots} robots I saw 2"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_who_was_held_up_and_made_room_goes_on_once_its_way_is_free(seed: int) -> None:
+    goal = task_of(ROOM, 5, 16, SPRAYER[1]).goal
+
+    def leave(time: float, poses: NDArray[np.float64]) -> None:
+        if time > 40.0:
+            poses[1, 0] = 14.0
+
+    outcome = run(
+        np.array([(8.0, goal[1], 0.0), (1.5, goal[1] - 1.2, 0.0)]),
+        lambda i: Settings(16, paint=False),
+        CORNERS,
+        duration=200.0,
+        seed=seed,
+        ranks=[5],
+        each_tick=leave,
+    )
+    assert outcome.finished == [True, True]
+    assert outcome.contacts == 0
+    assert outcome.reports[0]["goal_time"] > 40.0
+    assert math.dist(outcome.poses[0, :2], goal) < 0.02
