@@ -59,9 +59,13 @@ others, and `controllers/paint` adds to the paper's three steps what that takes:
   each other at all). Who stays hidden behind a robot at exactly the own height for two minutes is
   taken to be on that line as well: the one thing that is taken for true without being seen.
   Meanwhile a robot that stands between two others, above both or below both, leaves their line.
-- A robot that waits steps aside, so as not to stand in others' view; where it has no room to turn
-  it slides. It paints once no strip that it sees holds two robots, which may still be looking, but
-  waits no longer than 900 s for that.
+- A robot that waits steps aside along its row: first to the wall, so as not to stand in others'
+  view, later to one end or the other, as it may hide two others from each other; where it has no
+  room to turn it slides. It paints once no strip that it sees holds two robots, which may still be
+  looking, but waits no longer than 900 s for that.
+- Who has painted looks for robots that it never saw, to tell that the number is right. In a crowd
+  of more than six some may stay hidden; in strips lower than 1.5 m neighbours could not turn beside
+  each other, and nobody looks.
 - Two heights that differ by less than two millimetres are equal, and x decides.
 
 """
