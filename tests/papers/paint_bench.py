@@ -69,6 +69,28 @@ def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return max(0.0, float(least))
 
 
+def walls_of(region: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Unit inward normals (k, 2) and offsets (k,) of the walls of a region, counter-clockwise."""
+    edges = np.roll(region, -1, axis=0) - region
+    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
+    return normals, np.sum(normals * region, axis=1)
+
+
+def touching(
+    poses: NDArray[np.float64], normals: NDArray[np.float64], offsets: NDArray[np.float64]
+) -> set[tuple[int, int]]:
+    """Which of the bodies at poses (n, 3) overlap: pairs, a wall counts as body n."""
+    count = len(poses)
+    corners = np.array([corners_of(pose) for pose in poses])
+    in_wall = (corners @ normals.T < offsets - 1e-9).any(axis=(1, 2))
+    found = {(int(i), count) for i in np.flatnonzero(in_wall)}
+    gaps = np.hypot(*(poses[:, None, :2] - poses[None, :, :2]).transpose(2, 0, 1))
+    for i, j in np.argwhere(np.triu(gaps < 1.4143, 1)).tolist():
+        if overlap(poses[i], poses[j]) > 0.0:
+            found.add((i, j))
+    return found
+
+
 def blobs_of(colors: NDArray[np.int64]) -> list[Blob]:
     """Runs of one colour, from the image's left; `colors` is per column, 0 for nothing."""
     found = []
@@ -121,10 +143,8 @@ def run(
     fov = math.pi
     bearings = bearings_of(fov, 180)
     palette = np.array([0, RED, *[GREEN] * count], np.int64)
-    touching = np.zeros((count, count + 1), bool)
-    edges = np.roll(region, -1, axis=0) - region
-    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
-    limits = np.sum(normals * region, axis=1)
+    touched: set[tuple[int, int]] = set()
+    walls = walls_of(region)
     tick = 0
     while tick * INTERVAL < duration and not all(
         f or e for f, e in zip(outcome.finished, outcome.failures, strict=True)
@@ -155,7 +175,8 @@ def run(
             poses[:, 0] += (cos * velocity[:, 0] - sin * velocity[:, 1]) * 0.02
             poses[:, 1] += (sin * velocity[:, 0] + cos * velocity[:, 1]) * 0.02
             poses[:, 2] += velocity[:, 2] * 0.02
-        _judge(outcome, poses, touching, normals, limits)
+        before, touched = touched, touching(poses, *walls)
+        outcome.contacts += len(touched - before)
         heights = poses[order, 1]
         if (heights[1:] < heights[:-1] - np.where(level, 0.01, 0.0)).any():
             outcome.swaps += 1
@@ -173,26 +194,6 @@ def _take(outcome: Outcome, i: int, command: Command, time: float) -> tuple[floa
     if command.finished or command.failure:
         return 0.0, 0.0, 0.0
     return command.motion.ahead, command.motion.left, command.motion.turn
-
-
-def _judge(
-    outcome: Outcome,
-    poses: NDArray[np.float64],
-    touching: NDArray[np.bool_],
-    normals: NDArray[np.float64],
-    limits: NDArray[np.float64],
-) -> None:
-    count = len(poses)
-    for i in range(count):
-        hits_wall = bool((corners_of(poses[i]) @ normals.T < limits - 1e-9).any())
-        if hits_wall and not touching[i, count]:
-            outcome.contacts += 1
-        touching[i, count] = hits_wall
-        for j in range(i + 1, count):
-            hit = overlap(poses[i], poses[j]) > 0.0
-            if hit and not touching[i, j]:
-                outcome.contacts += 1
-            touching[i, j] = hit
 
 
 def random_starts(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from sim.engine import Engine, Settings
 from sim.result import Result, RobotRecord
 from sim.run import run_world
 from sim.worldfile import load
-from tests.papers.paint_bench import corners_of, expected_goals, overlap
+from tests.papers.paint_bench import expected_goals, touching, walls_of
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +39,11 @@ class Judge:
     order: NDArray[np.intp] | None = None
     level: NDArray[np.bool_] | None = None
     painted: dict[int, tuple[float, float]] = field(default_factory=dict)
+
+    @cached_property
+    def walls(self) -> tuple[Floats, Floats]:
+        """The walls' normals and offsets."""
+        return walls_of(self.region)
 
     def each_tick(self, engine: Engine) -> None:
         """Look at the true poses after a tick."""
@@ -63,19 +69,10 @@ class Judge:
 
     def touching(self, poses: Floats) -> list[str]:
         """Which bodies overlap each other or a wall."""
-        found = []
-        edges = np.roll(self.region, -1, axis=0) - self.region
-        normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
-        limits = np.sum(normals * self.region, axis=1)
-        for i, pose in enumerate(poses):
-            if (corners_of(pose) @ normals.T < limits).any():
-                found.append(f"robot {i} and a wall")
-            found += [
-                f"robots {i} and {j}"
-                for j in range(i + 1, len(poses))
-                if overlap(pose, poses[j]) > 0.0
-            ]
-        return found
+        return [
+            f"robot {i} and a wall" if j == len(poses) else f"robots {i} and {j}"
+            for i, j in sorted(touching(poses, *self.walls))
+        ]
 
 
 @dataclass
