@@ -136,13 +136,6 @@ def test_names_order_in_the_file_and_the_arenas_place_make_no_difference(tmp_pat
     assert moved == plain
 
 
-def test_sixteen_paint_all_of_the_floor_in_strips_too_low_to_turn_beside_each_other() -> None:
-    run = judged_run(WORLDS / "paint_swarm_16.yaml", 1)
-    assert run.faults == []
-    assert run.result.floor.coverage >= 0.999
-    assert painted_outside(run) < 0.11  # a lane of 1.5 m on a strip of 1.3125 m, and braking
-
-
 @pytest.mark.parametrize(("told", "message"), [(5, "5 robots"), (3, "not 3")])
 def test_a_wrong_number_of_robots_ends_with_a_message_and_no_contact(
     told: int, message: str
