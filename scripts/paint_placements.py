@@ -7,7 +7,7 @@ Runs as far as the goals, without painting. A run ends when all robots are at th
 `--limit` simulated seconds (1800). Rows that the table holds already are not run again, so that it
 can be interrupted; the rows of a table are in order of world, jitter and seed, and a run gives the
 same row on every machine. With its defaults, the three cases with 200 seeds each and two kinds of
-cycles, it takes about an hour on two cores; a placement of 16 robots takes a minute or two.
+cycles, it takes more than an hour on two cores; a placement of 16 robots takes a minute or two.
 `scripts/paint_cases` sums the table up in docs/results/paint.md.
 """
 
@@ -106,9 +106,16 @@ def main() -> None:
     options.add_argument("--limit", type=float, default=LIMIT, help="simulated s")
     options.add_argument("--out", type=Path, default=TABLE)
     given = options.parse_args()
-    rows = read(given.out)
-    done = {row[:3] for row in rows}
     first, last = given.seeds
+    if not 0 <= first <= last:
+        options.error(f"--seeds: {first} to {last} holds no seed; give the first and the last")
+    if given.jobs < 1 or given.limit <= 0.0 or min(given.jitter) < 0.0:
+        options.error("--jobs has to be 1 or more, --limit above 0, --jitter 0 or more")
+    try:
+        rows = read(given.out)
+    except (KeyError, ValueError, TypeError) as error:
+        options.error(f"{given.out} is not a table of this script ({error!r}); give another --out")
+    done = {row[:3] for row in rows}
     wanted = [
         (world, jitter, seed)
         for seed in range(first, last + 1)
