@@ -228,6 +228,16 @@ def held_up(brain: Brain, travel: float) -> bool:
     return memory.held_since is not None and brain.time - memory.held_since > PATIENT
 
 
+def _is_clear(brain: Brain) -> bool:
+    """Whether the last bit is seen free: of bodies on it, and of who may turn beside it."""
+    pose, goal = brain.pose, brain.task.goal
+    if hidden_on_row(brain, goal[0] - HALF):
+        return False
+    tracks = brain.memory.tracks.all
+    travel = free_travel(brain.region, pose, goal, tracks, brain.time, recent=BLIND)
+    return travel > math.dist(pose[:2], goal) - AT_GOAL
+
+
 def _cross(brain: Brain, command: Command) -> None:
     memory, pose, task = brain.memory, brain.pose, brain.task
     left = pose.x - task.goal[0]
@@ -240,7 +250,7 @@ def _cross(brain: Brain, command: Command) -> None:
     turn_at = final_turn(brain)
     gaze, aim_x = look.LEFT, task.goal[0] + turn_at
     if left <= turn_at + 0.05 or memory.row_clear:
-        memory.row_clear = memory.row_clear or not hidden_on_row(brain, task.goal[0] - HALF)
+        memory.row_clear = memory.row_clear or _is_clear(brain)
         if memory.row_clear:
             gaze, aim_x = look.RIGHT, task.goal[0]
     if not looks_at(pose, gaze) and turning(brain, command, gaze):

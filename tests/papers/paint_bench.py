@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.paint.brain import Brain, Command, Reading, Settings
+from controllers.paint.constants import LEVEL
 from controllers.paint.geometry import Pose
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
@@ -22,6 +23,9 @@ INSET = 0.6  # m
 INTERVAL = 0.1  # s
 ACCELERATION = 2.0  # m/s2
 TURN_ACCELERATION = math.radians(360.0)
+SAME_HEIGHT = 0.01
+"""Robots that start level may exchange heights by less (m): the odometry's rounding, the drive's
+last centimetre, and which of them is told first to go."""
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 RED, GREEN = 0xFF0000, 0x00FF00
 
@@ -137,8 +141,7 @@ def run(
     )
     outcome.said = [[] for _ in starts]
     outcome.finished = [ranks is not None and i >= len(ranks) for i in range(count)]
-    order = np.lexsort((starts[:, 0], starts[:, 1]))
-    level = np.isclose(starts[order[1:], 1], starts[order[:-1], 1], rtol=0.0, atol=1e-9)
+    order, level = ranked(starts)
     own = np.arange(1, count + 1)
     fov = math.pi
     bearings = bearings_of(fov, 180)
@@ -178,7 +181,7 @@ def run(
         before, touched = touched, touching(poses, *walls)
         outcome.contacts += len(touched - before)
         heights = poses[order, 1]
-        if (heights[1:] < heights[:-1] - np.where(level, 0.01, 0.0)).any():
+        if (heights[1:] < heights[:-1] - np.where(level, SAME_HEIGHT, 0.0)).any():
             outcome.swaps += 1
         tick += 1
     outcome.time = tick * INTERVAL
@@ -219,6 +222,20 @@ def random_starts(
     return np.column_stack([xy, yaw])
 
 
+def ranked(
+    starts: NDArray[np.float64],
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """The order by rank (n,) of starts (n, 3), lowest first, and who is level with the next (n-1,).
+
+    The paper's ties: x decides between equal heights. Those are equal that no robot can tell apart,
+    which differ by less than LEVEL.
+    """
+    by_height = np.argsort(starts[:, 1], kind="stable")
+    level = np.diff(starts[by_height, 1]) < LEVEL
+    row = np.concatenate([[0], np.cumsum(~level)])
+    return by_height[np.lexsort((starts[by_height, 0], row))], level
+
+
 def expected_goals(
     starts: NDArray[np.float64], low: Sequence[float], high: Sequence[float]
 ) -> NDArray[np.float64]:
@@ -228,7 +245,7 @@ def expected_goals(
     """
     height = (high[1] - low[1]) / len(starts)
     goals = np.zeros((len(starts), 2))
-    for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
+    for place, i in enumerate(ranked(starts)[0]):
         if math.cos(starts[i, 2]) > 0.0:
             goals[i] = low[0] + INSET, low[1] + place * height + INSET
         else:

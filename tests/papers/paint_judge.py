@@ -16,14 +16,11 @@ from sim.engine import Engine, Settings
 from sim.result import Result, RobotRecord
 from sim.run import run_world
 from sim.worldfile import load
-from tests.papers.paint_bench import expected_goals, touching, walls_of
+from tests.papers.paint_bench import SAME_HEIGHT, expected_goals, ranked, touching, walls_of
 
 Floats = NDArray[np.float64]
 
 SPRAYER = 0.75  # m: half the width of what the painters of the worlds spray
-SAME_HEIGHT = 0.01
-"""Robots that start on one height may exchange heights by less (m): the odometry's rounding, the
-drive's last centimetre, and which of them is told first to go."""
 
 
 @dataclass
@@ -50,9 +47,7 @@ class Judge:
         poses = np.array(engine.scenery.stage.poses, dtype=float)
         if self.order is None:
             starts = np.array([record.start for record in engine.context.records])
-            self.order = np.lexsort((starts[:, 0], starts[:, 1]))
-            heights = starts[self.order, 1]
-            self.level = np.abs(np.diff(heights)) < 1e-9
+            self.order, self.level = ranked(starts)
         assert self.level is not None
         heights = poses[self.order, 1]
         drops = heights[:-1] - heights[1:]
