@@ -92,9 +92,10 @@ that keeps to its own strip and off the walls cannot bring a square sprayer ther
 OVER = """\
 Each a run as far as the goals, at 0.5 m/s and for at most 1800 s, by `scripts/paint_placements`; a
 row each in [placements.csv](paint/placements.csv). "Seconds" are of those in which all goals are
-right. Where not all come to their goals, a robot's rank stays open: behind one that is nearly level
-with it another could be hidden, and that one cannot leave its row. They say so and give up after
-1700 s. So it goes with `paint_swarm_8` at seed 86, and with `paint_swarm_12` at seeds 57 and 60.
+right. In `paint_swarm_8` at seed 86 one robot stays just above its goal's row for good: it steps
+aside from its neighbour, loses sight of it, and turns back to look; after 1700 s it says so and
+gives up. In `paint_swarm_12` seeds 57 and 60 had not come out of a deadlock after 400 s: behind a
+robot that is nearly level another could be hidden, and that one has no way off its row.
 """
 
 
