@@ -57,3 +57,29 @@ def test_who_was_held_up_and_made_room_goes_on_once_its_way_is_free(seed: int) -
     assert outcome.contacts == 0
     assert outcome.reports[0]["goal_time"] > 40.0
     assert math.dist(outcome.poses[0, :2], goal) < 0.02
+
+
+def test_nobody_backs_to_its_goal_past_a_robot_that_may_turn_beside_it() -> None:
+    goal = task_of(ROOM, 4, 12, SPRAYER[1]).goal
+    nearest = math.inf
+
+    def stand_and_leave(time: float, poses: NDArray[np.float64]) -> None:
+        nonlocal nearest
+        if time < 60.0:  # much longer than a robot out of view is followed
+            nearest = min(nearest, poses[0, 0] - poses[1, 0])
+            poses[1, 2] = 0.0 if time < 30.0 else math.pi / 4
+        else:
+            poses[1] = 0.6, 12.0, 0.0
+
+    outcome = run(
+        np.array([(6.3, goal[1], 0.0), (0.96, goal[1] + 1.13, 0.0)]),
+        lambda i: Settings(12, paint=False),
+        CORNERS,
+        duration=150.0,
+        ranks=[4],
+        each_tick=stand_and_leave,
+    )
+    assert nearest > 1.2
+    assert outcome.contacts == 0
+    assert outcome.finished[0]
+    assert outcome.reports[0]["goal_time"] > 60.0
