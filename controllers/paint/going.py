@@ -77,7 +77,8 @@ def go(brain: Brain, command: Command, new_cycle: bool) -> None:
         command.report["waits"] = memory.waits
         say(brain, command, "at goal")
         return
-    if new_cycle or memory.decision is None:
+    steps = memory.last_act is Act.CLIMB and memory.step_to is not None  # it ends that step first
+    if memory.decision is None or (new_cycle and not steps):
         memory.decision = _decide(brain)
         _tell(brain, command, memory.decision)
     decision = memory.decision

@@ -83,3 +83,20 @@ def test_nobody_backs_to_its_goal_past_a_robot_that_may_turn_beside_it() -> None
     assert outcome.contacts == 0
     assert outcome.finished[0]
     assert outcome.reports[0]["goal_time"] > 60.0
+
+
+@pytest.mark.parametrize("above", [0.148, 1.0, 3.0])
+def test_who_steps_aside_on_its_way_to_its_row_ends_the_step_before_it_decides_anew(
+    above: float,
+) -> None:
+    goal = task_of(ROOM, 4, 8, SPRAYER[1]).goal
+    outcome = run(
+        np.array([(14.9, goal[1] + above, 0.0), (15.4, goal[1] - 1.2, math.pi)]),
+        lambda i: Settings(8, paint=False),
+        CORNERS,
+        duration=200.0,
+        ranks=[4],
+    )
+    assert outcome.contacts == 0
+    assert outcome.finished[0]
+    assert math.dist(outcome.poses[0, :2], goal) < 0.02
