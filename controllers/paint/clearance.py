@@ -6,12 +6,18 @@ import math
 from typing import TYPE_CHECKING
 
 from .compute import Other, Side, vertical_leg
-from .constants import EPSILON, HALF, HALT
+from .constants import APART, EPSILON, HALF, HALT
 from .move import TURN_KEEP, can_turn
 from .tracks import is_higher
 
 if TYPE_CHECKING:
     from .brain import Brain
+
+BESIDE = APART
+"""Who is farther off than this along the row (m) is not in the way up or down."""
+
+ORDERLY = 0.3
+"""Nearer in height than this (m) nobody comes to who is beside it."""
 
 VAGUE = 0.15
 """Bounds this wide either way (m) are taken at their middle: nearer by, they get narrower."""
@@ -58,6 +64,21 @@ def unseen_limit(brain: Brain, upwards: bool) -> float:
         return math.inf if upwards else -math.inf
     nearest = brain.shadows.nearest_height(brain.pose.y, upwards)
     return nearest - EPSILON if upwards else nearest + EPSILON
+
+
+def beside_limit(brain: Brain, upwards: bool) -> float:
+    """The height up (down) to which nobody followed is passed or neared; infinite if none is there.
+
+    Farther than `vertical_leg` goes: it comes to the heights of those that stand well beside it.
+    """
+    pose, sign = brain.pose, 1.0 if upwards else -1.0
+    limit = math.inf
+    for other in others(brain):
+        if sign * (other.y - pose.y) > 0.0:
+            beside = abs(other.x - pose.x) > BESIDE + other.slack
+            keep = (ORDERLY if beside else EPSILON) + other.slack
+            limit = min(limit, sign * other.y - keep)
+    return sign * limit
 
 
 def reachable(brain: Brain, height: float) -> float:

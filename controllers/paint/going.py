@@ -95,7 +95,7 @@ def _decide(brain: Brain) -> Decision:
     seen = others(brain)
     if memory.row_clear:
         return Decision(Act.CROSS, task.goal)
-    on_row = memory.crossing and abs(pose.y - task.goal[1]) < BERTH
+    on_row = (memory.crossing or memory.off_wall) and abs(pose.y - task.goal[1]) < BERTH
     decision = decide(pose.x, task.goal[1] if on_row else pose.y, task, seen)
     steps = memory.last_act is Act.WAIT and memory.step_to is not None
     if decision.act is Act.CROSS and steps and hidden_on_row(brain, task.goal[0] - HALF):
@@ -117,12 +117,14 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
         memory.waits += 1
     if waits != (memory.last_act is Act.WAIT):
         memory.waiting_since = brain.time if waits else None
-        memory.step_to = memory.giving_way = None
+        memory.step_to = memory.giving_way = memory.opens_to = None
+        memory.off_wall = False
         memory.gaze = brain.pose.yaw
     if decision.act is not memory.last_act:
         memory.held_since = None
     if decision.act is Act.CLIMB:
         memory.stepped = False
+        memory.climbed_at = brain.time
     memory.last_act = decision.act
     if not waits:
         say(

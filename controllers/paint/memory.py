@@ -128,8 +128,20 @@ class Memory:
     held_since: float | None = None
     """Since when somebody beside its row has held it up on its way along it."""
 
+    climbed_at: float = math.inf
+    """When it was last on its way up or down to its goal's row."""
+
+    off_wall: bool = False
+    """Whether it has left its row along a wall to turn: it is on that row all the same."""
+
     giving_way: float | None = None
     """The height to which it leaves a line of level robots, for the others to see each other."""
+
+    opens_to: float | None = None
+    """The height to which it leaves the row of a nearly level robot, to open the view to it."""
+
+    opened_at: float = -math.inf
+    """When it last began to leave such a row: where it was no good it tries again after a while."""
 
     waits: int = 0
     """How often it had to wait, for the report."""

@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from . import look
-from .clearance import hidden_between
+from .clearance import beside_limit, hidden_between
 from .compute import Decision, Other, Side
-from .constants import APART, BODY
+from .constants import APART, BODY, WALL_ROOM
 from .move import drive, free_travel, looks_at
 from .poring import fine_look
 from .turning import side_gaze, turning
@@ -30,6 +30,9 @@ that waits by a side wall, where it hides the least, stays there so long."""
 
 AWAY = 2.0 / 3.0
 """So often a robot that waits for one on its own row goes to the far end of it."""
+
+STUCK = 100.0
+"""Who has not come up or down for so long (s) goes off the wall along its row, to turn round."""
 
 ROW_BREADTH = 0.02
 """A robot that has not gone up or down yet is this near to its row (m), and comes back to it with
@@ -124,7 +127,7 @@ def step_aside(brain: Brain, command: Command) -> bool:
     assert memory.step_to is not None
     leftwards = memory.step_to < pose.x
     gaze = look.LEFT if leftwards else look.RIGHT
-    if not looks_at(pose, gaze) and turning(brain, command, gaze):
+    if not looks_at(pose, gaze) and (turning(brain, command, gaze) or _off_wall(brain, command)):
         return True  # where there is no room to turn, it slides to where it knows nobody to be
     on_start = abs(pose.y - memory.row) < ROW_BREADTH
     target = (memory.step_to, memory.row if on_start else pose.y)
@@ -135,4 +138,29 @@ def step_aside(brain: Brain, command: Command) -> bool:
     if travel < 0.05 or hidden_between(brain, *ahead):
         return False
     command.motion = drive(pose, target, travel, brain.settings.limits, 0.4)
+    return True
+
+
+def _off_wall(brain: Brain, command: Command) -> bool:
+    """One reading's worth of the way off the wall along its row, to turn round there.
+
+    Else it would only ever step on. It goes back towards the height where it started: of those
+    that it does not see nobody is between.
+    """
+    memory, pose, region = brain.memory, brain.pose, brain.region
+    upwards = pose.y < 0.0
+    off = WALL_ROOM + 0.02 - region.depth_at(pose.x, pose.y)
+    target = (pose.x, pose.y + (off if upwards else -off))
+    if (
+        brain.time - memory.climbed_at < STUCK
+        or not 0.0 < off < abs(pose.y)
+        or region.depth_at(*target) < WALL_ROOM
+        or (target[1] < beside_limit(brain, upwards)) is not upwards
+    ):
+        return False
+    travel = free_travel(region, pose, target, memory.tracks.all, brain.time)
+    if travel < 0.01:
+        return False
+    memory.off_wall = True
+    command.motion = drive(pose, target, travel, brain.settings.limits, 0.3)
     return True

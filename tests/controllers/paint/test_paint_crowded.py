@@ -100,3 +100,50 @@ def test_who_steps_aside_on_its_way_to_its_row_ends_the_step_before_it_decides_a
     assert outcome.contacts == 0
     assert outcome.finished[0]
     assert math.dist(outcome.poses[0, :2], goal) < 0.02
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_who_waits_for_long_for_a_nearly_level_robot_leaves_its_row(seed: int) -> None:
+    heights: list[float] = []
+
+    def leave(time: float, poses: NDArray[np.float64]) -> None:
+        heights.append(float(poses[0, 1]))
+        if time > 150.0:
+            poses[1] = 0.6, 5.0, 0.0
+
+    outcome = run(
+        np.array([(8.0, 11.884, 0.0), (2.0, 11.8, 0.0), (14.0, 12.875, 0.0)]),
+        lambda i: Settings(3, paint=False),
+        CORNERS,
+        duration=220.0,
+        seed=seed,
+        ranks=[2],
+        each_tick=leave,
+    )
+    assert heights[900] == pytest.approx(11.884, abs=0.03)  # after 90 s
+    assert 12.3 < heights[1490] < 12.575  # out of the one's row, and not to the other's
+    assert outcome.contacts == outcome.swaps == 0
+    assert outcome.finished[0]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_on_a_row_along_a_wall_a_robot_turns_round_and_makes_room(seed: int) -> None:
+    ways: list[float] = []
+
+    def leave(time: float, poses: NDArray[np.float64]) -> None:
+        ways.append(float(poses[0, 0]))
+        if time > 250.0:
+            poses[1] = 0.6, 2.35, 0.0
+
+    outcome = run(
+        np.array([(9.6, 1.2, 0.0), (3.0, 1.455, 0.0)]),
+        lambda i: Settings(12, paint=False),
+        CORNERS,
+        duration=300.0,
+        seed=seed,
+        ranks=[1],
+        each_tick=leave,
+    )
+    assert max(ways[1100:2500]) > min(ways[:1000]) + 1.0
+    assert outcome.contacts == outcome.swaps == 0
+    assert outcome.finished[0]
