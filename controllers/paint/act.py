@@ -9,7 +9,7 @@ from . import going, look, nearing
 from .boustrophedon import lanes
 from .clearance import others
 from .compute import crowded_strip, strip_intruder
-from .constants import APART, WALL_ROOM
+from .constants import APART, FINAL_TURN, WALL_ROOM
 from .memory import Phase
 from .move import STAND_KEEP, drive, free_travel, looks_at, may_turn, turn
 from .observe import Scan
@@ -198,7 +198,7 @@ def back_off_to_turn(brain: Brain, command: Command) -> None:
     x = goal[0] + going.final_turn(brain)
     off = TURN_DEPTH - brain.region.depth_at(x, goal[1])
     if off > 0.0 and high - low - off < STAND_KEEP:
-        x = goal[0] + max(going.FINAL_TURN)
+        x = goal[0] + max(FINAL_TURN)
     target = (x, goal[1])
     if off > 0.0 and pose.x > x - 0.05:
         beside = [(x, goal[1] + off), (x, goal[1] - off)]

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from .compute import Other, Side, vertical_leg
-from .constants import APART, EPSILON, HALF, HALT
+from .constants import APART, EPSILON, FINAL_TURN, HALF, HALT, INSET
 from .move import TURN_KEEP, can_turn
 from .tracks import is_higher
 
@@ -18,6 +18,9 @@ BESIDE = APART
 
 ORDERLY = 0.3
 """Nearer in height than this (m) nobody comes to who is beside it."""
+
+BACKING = INSET + max(FINAL_TURN) + TURN_KEEP
+"""Nearer to a side wall than this (m) somebody may be backing to its goal without looking."""
 
 VAGUE = 0.15
 """Bounds this wide either way (m) are taken at their middle: nearer by, they get narrower."""
@@ -69,7 +72,8 @@ def unseen_limit(brain: Brain, upwards: bool) -> float:
 def beside_limit(brain: Brain, upwards: bool) -> float:
     """The height up (down) to which nobody followed is passed or neared; infinite if none is there.
 
-    Farther than `vertical_leg` goes: it comes to the heights of those that stand well beside it.
+    Farther than `vertical_leg` goes: it comes near the heights of those that stand well beside it,
+    so it is not for where somebody may back towards it (`may_be_backed_into`).
     """
     pose, sign = brain.pose, 1.0 if upwards else -1.0
     limit = math.inf
@@ -79,6 +83,16 @@ def beside_limit(brain: Brain, upwards: bool) -> float:
             keep = (ORDERLY if beside else EPSILON) + other.slack
             limit = min(limit, sign * other.y - keep)
     return sign * limit
+
+
+def may_be_backed_into(brain: Brain, x: float) -> bool:
+    """Whether a place on its row is so near to a side wall that EPSILON has to be kept there."""
+    y = brain.pose.y
+    rooms = [brain.region.standing_room(y + off, 0.0) for off in (-EPSILON, 0.0, EPSILON)]
+    return any(
+        room is not None and not BACKING < x - room[0] < room[1] - room[0] - BACKING
+        for room in rooms
+    )
 
 
 def reachable(brain: Brain, height: float) -> float:

@@ -47,6 +47,10 @@ APART = 1.5
 WALL_ROOM = 0.73
 """A centre this far from a wall has room to turn: more than TURNING."""
 
+FINAL_TURN = (1.0, 2.3)
+"""So far before their goals (m) robots of even and of odd ranks turn round; the rest they go
+backwards, without looking. It is seen free before, by EPSILON to either side of the row."""
+
 LEVEL = 0.002
 """Two robots whose heights differ by less are at the same height, and x decides [3.1 Step 1].
 

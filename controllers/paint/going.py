@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from . import look
 from .clearance import hidden_on_row, others, reachable, unseen_limit
 from .compute import Act, Decision, Side, decide
-from .constants import APART, HALF, INSET, WALL_ROOM
+from .constants import APART, FINAL_TURN, HALF, INSET, WALL_ROOM
 from .memory import Phase
 from .move import (
     drive,
@@ -42,7 +42,6 @@ PASSING = 30.0
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
 _NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
-FINAL_TURN = (1.0, 2.3)  # m before the goal at which robots of even and odd ranks turn round
 
 
 def set_out(brain: Brain, command: Command) -> None:

@@ -6,13 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from . import look
-from .clearance import beside_limit, hidden_between
+from .clearance import beside_limit, hidden_between, may_be_backed_into
 from .compute import Decision, Other, Side
-from .constants import APART, BODY, WALL_ROOM
+from .constants import APART, BODY, HALT, WALL_ROOM
 from .move import drive, free_travel, looks_at
 from .poring import fine_look
 from .turning import side_gaze, turning
-from .yielding import give_way
+from .yielding import OPENS, give_way
 
 if TYPE_CHECKING:
     from .brain import Brain, Command
@@ -95,7 +95,8 @@ def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | 
     """Where on its row to step to: to the wall, to anywhere, or for the best view of its way.
 
     From who is on its row itself it goes away as far as it can, or as near as it can: a coin says
-    which, because there may be others on its row, on either side.
+    which, because there may be others on its row, on either side. After long it goes to where it
+    can leave its row as well.
     """
     pose, tracks = brain.pose, brain.memory.tracks.all
     places = look.row_places(brain.region, pose, tracks, brain.time)
@@ -107,6 +108,10 @@ def _where_to_wait(brain: Brain, first: bool, blocker: Other | None) -> float | 
     # Far from the other nothing fits behind it that the other cannot see; near it, nothing that
     # those on its other side cannot see.
     if not first and abs(blocker.y - pose.y) < BODY:
+        late = brain.time - (brain.memory.waiting_since or 0.0) > OPENS
+        inner = [x for x in places if late and not may_be_backed_into(brain, x)]
+        if inner and brain.draw() < AWAY:
+            return inner[int(brain.draw() * len(inner))]
         end = max if brain.draw() < AWAY else min
         return end(places, key=lambda x: abs(x - blocker.x))
     return min(places) if first else sorted(places)[int(brain.draw() * len(places))]
@@ -145,14 +150,17 @@ def _off_wall(brain: Brain, command: Command) -> bool:
     """One reading's worth of the way off the wall along its row, to turn round there.
 
     Else it would only ever step on. It goes back towards the height where it started: of those
-    that it does not see nobody is between.
+    that it does not see nobody is between. In low strips it stays: an unseen neighbour on the next
+    row could be too near for it to turn.
     """
     memory, pose, region = brain.memory, brain.pose, brain.region
+    low, high = brain.task.strip
     upwards = pose.y < 0.0
     off = WALL_ROOM + 0.02 - region.depth_at(pose.x, pose.y)
     target = (pose.x, pose.y + (off if upwards else -off))
     if (
         brain.time - memory.climbed_at < STUCK
+        or high - low < HALT
         or not 0.0 < off < abs(pose.y)
         or region.depth_at(*target) < WALL_ROOM
         or (target[1] < beside_limit(brain, upwards)) is not upwards

@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import look
-from .clearance import beside_limit, others, reachable, unseen_limit
+from .clearance import beside_limit, may_be_backed_into, others, reachable, unseen_limit
 from .compute import Other, Side, is_lower
 from .constants import APART, HALF
 from .move import looks_at
@@ -76,7 +76,7 @@ def _opens(brain: Brain, command: Command, blocker: Other | None) -> bool:
         sign = 1.0 if blocker.side is Side.BELOW else -1.0
         if blocker.slack > LATELY or sign * (blocker.y - pose.y) + CLEARS < NEAR:
             return False
-        if brain.time < memory.opened_at + GIVE_WAY:
+        if brain.time < memory.opened_at + GIVE_WAY or may_be_backed_into(brain, pose.x):
             return False
         memory.opens_to, memory.opened_at = blocker.y + sign * CLEARS, brain.time
     upwards = memory.opens_to > pose.y

@@ -147,3 +147,36 @@ def test_on_a_row_along_a_wall_a_robot_turns_round_and_makes_room(seed: int) -> 
     assert max(ways[1100:2500]) > min(ways[:1000]) + 1.0
     assert outcome.contacts == outcome.swaps == 0
     assert outcome.finished[0]
+
+
+def test_nobody_leaves_its_row_towards_one_that_backs_to_its_goal_without_looking() -> None:
+    row = task_of(ROOM, 8, 8, SPRAYER[1]).goal[1]
+
+    def hold(time: float, poses: NDArray[np.float64]) -> None:
+        if time < 91.0:  # it turns round before its goal when the other has waited 100 s
+            poses[1, :2] = 8.0, row
+
+    outcome = run(
+        np.array([(1.2, row - 1.27, 0.0), (8.0, row, 0.0), (4.0, row - 1.3, 0.0)]),
+        lambda i: Settings(8, paint=False),
+        CORNERS,
+        duration=112.0,
+        ranks=[7, 8],
+        each_tick=hold,
+    )
+    assert outcome.contacts == 0
+    assert outcome.finished[1]
+
+
+def test_in_low_strips_nobody_goes_off_a_wall_to_turn_beside_the_next_row() -> None:
+    heights: list[float] = []
+    outcome = run(
+        np.array([(9.6, 1.2, 0.0), (3.0, 1.383, 0.0), (15.0, 1.767, 0.0)]),
+        lambda i: Settings(18, paint=False),
+        CORNERS,
+        duration=200.0,
+        ranks=[1],
+        each_tick=lambda time, poses: heights.append(float(poses[0, 1])),
+    )
+    assert max(heights[1000:]) < 0.62
+    assert outcome.contacts == 0
