@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .compute import Other, Side, vertical_leg
+from .compute import Other, Side, is_lower, vertical_leg
 from .constants import APART, EPSILON, FINAL_TURN, HALF, HALT, INSET
 from .move import TURN_KEEP, can_turn
 from .tracks import is_higher
@@ -72,13 +72,14 @@ def unseen_limit(brain: Brain, upwards: bool) -> float:
 def beside_limit(brain: Brain, upwards: bool) -> float:
     """The height up (down) to which nobody followed is passed or neared; infinite if none is there.
 
+    Who is level, and by x is above (below), is not left behind: neither is whose side is open.
     Farther than `vertical_leg` goes: it comes near the heights of those that stand well beside it,
     so it is not for where somebody may back towards it (`may_be_backed_into`).
     """
     pose, sign = brain.pose, 1.0 if upwards else -1.0
     limit = math.inf
     for other in others(brain):
-        if sign * (other.y - pose.y) > 0.0:
+        if is_lower(pose.x, other.side, other.x) is not upwards:
             beside = abs(other.x - pose.x) > BESIDE + other.slack
             keep = (ORDERLY if beside else EPSILON) + other.slack
             limit = min(limit, sign * other.y - keep)
