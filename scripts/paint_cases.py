@@ -61,8 +61,10 @@ others, and `controllers/paint` adds to the paper's three steps what that takes:
   Meanwhile a robot that stands between two others, above both or below both, leaves their line.
 - A robot that waits steps aside along its row: first to the wall, so as not to stand in others'
   view, later to one end or the other, as it may hide two others from each other; where it has no
-  room to turn it slides. It paints once no strip that it sees holds two robots, which may still be
-  looking, but waits no longer than 900 s for that.
+  room to turn it slides. After 100 s it also leaves the row of a robot that is nearly level, by
+  half a body: it may be what keeps that one from knowing its rank.
+- A robot paints once no strip that it sees holds two robots, which may still be looking, but waits
+  no longer than 900 s for that.
 - Who has painted looks for robots that it never saw, to tell that the number is right. In a crowd
   of more than six some may stay hidden; in strips lower than 1.5 m neighbours could not turn beside
   each other, and nobody looks.
@@ -92,10 +94,11 @@ that keeps to its own strip and off the walls cannot bring a square sprayer ther
 OVER = """\
 Each a run as far as the goals, at 0.5 m/s and for at most 1800 s, by `scripts/paint_placements`; a
 row each in [placements.csv](paint/placements.csv). "Seconds" are of those in which all goals are
-right. In `paint_swarm_8` at seed 86 one robot stays just above its goal's row for good: it steps
-aside from its neighbour, loses sight of it, and turns back to look; after 1700 s it says so and
-gives up. In `paint_swarm_12` seeds 57 and 60 had not come out of a deadlock after 400 s: behind a
-robot that is nearly level another could be hidden, and that one has no way off its row.
+right. Two placements of `paint_swarm_12` have no end: after 1700 s who waits says for whom and
+gives up. At seed 33 two robots stand 1.27 m apart, one before its goal and one of open rank:
+neither turns as long as the other might turn at the same time, and what both have to see is behind
+them. At seed 57 three robots that start within 0.3 m of height hide each other, and the rank of one
+stays open.
 """
 
 
