@@ -94,11 +94,11 @@ that keeps to its own strip and off the walls cannot bring a square sprayer ther
 OVER = """\
 Each a run as far as the goals, at 0.5 m/s and for at most 1800 s, by `scripts/paint_placements`; a
 row each in [placements.csv](paint/placements.csv). "Seconds" are of those in which all goals are
-right. Two placements of `paint_swarm_12` have no end: after 1700 s who waits says for whom and
+right. Three placements of `paint_swarm_12` have no end: after 1700 s who waits says for whom and
 gives up. At seed 33 two robots stand 1.27 m apart, one before its goal and one of open rank:
 neither turns as long as the other might turn at the same time, and what both have to see is behind
 them. At seed 57 three robots that start within 0.3 m of height hide each other, and the rank of one
-stays open.
+stays open. At seed 71 one robot takes a rank that is one too high, and who has that rank waits.
 """
 
 
