@@ -98,7 +98,8 @@ right. Three placements of `paint_swarm_12` have no end: after 1700 s who waits 
 gives up. At seed 33 two robots stand 1.27 m apart, one before its goal and one of open rank:
 neither turns as long as the other might turn at the same time, and what both have to see is behind
 them. At seed 57 three robots that start within 0.3 m of height hide each other, and the rank of one
-stays open. At seed 71 one robot takes a rank that is one too high, and who has that rank waits.
+stays open. At seed 71 one robot takes a rank that is one too high, and who has that rank waits. Of
+`paint_swarm_16` seed 8 has no end either.
 """
 
 
