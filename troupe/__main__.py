@@ -6,7 +6,9 @@ import os
 import sys
 
 from troupe._packages import ROOT
+from troupe.interrupts import heed_interrupts
 
+heed_interrupts()
 if sys.path and sys.path[0] in ("", os.getcwd()) and os.getcwd() != str(ROOT):
     # `python -m troupe`: what lies in the current folder must not get in our way
     sys.path.pop(0)

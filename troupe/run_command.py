@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from troupe.interrupts import interrupt
 from troupe.show import Screen
 from troupe.usage import UsageError, told
 
@@ -71,7 +72,7 @@ def run(
     Exit code 0: completed; 1: ended short (time limit, a controller failed, hung or was lost);
     2: bad usage or a bad world file; 130: interrupted.
     """
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, interrupt)
     try:
         code = run_and_print(
             world, seed, duration, set_ or [], as_json, quiet, video, video_fps, video_speed,
