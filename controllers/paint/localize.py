@@ -7,6 +7,7 @@ point is on the boundary exactly where its least distance from the edges' lines 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +20,13 @@ ON_WALL = 0.05
 OUTSIDE = 0.01
 """Nothing is seen through a wall: no more than this share of the points may be outside."""
 
+APART = 0.2
+"""Two points on a wall, this far apart along it and as far from other walls (m), show that it is
+there: the last point of a wall in view may as well be in a corner."""
+
 _PROBES = 16  # points tried as contacts of an edge, in pairs, besides those farthest out
 _JUDGES = 48  # points that judge a candidate
+_PARALLEL = 0.1  # the sine of the angle up to which walls count as parallel
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,8 @@ def locate(points: Floats, shape: Region) -> Fit | None:
 
     `shape` is the known polygon in any frame with parallel axes. The robot stands at the
     origin. Certain means that nine in ten points fit, that hardly any is outside, that two walls
-    that are not parallel were hit, and that no other place or orientation fits nearly as well.
+    that are not parallel were hit at two places each, and that the other orientation does not fit
+    nearly as well.
     """
     if len(points) < _PROBES:
         return None
@@ -70,7 +77,7 @@ def _best(points: Floats, shape: Region) -> Fit | None:
     for a in range(len(offsets)):
         for b in range(a + 1, len(offsets)):
             pair = normals[[a, b]]
-            if abs(np.linalg.det(pair)) < 0.1:
+            if abs(_cross(*pair)) < _PARALLEL:
                 continue
             first = np.repeat(reach[:, a] - offsets[a], len(reach))
             second = np.tile(reach[:, b] - offsets[b], len(reach))
@@ -90,6 +97,8 @@ def _best(points: Floats, shape: Region) -> Fit | None:
     if shift is None:
         return None
     region = shape.moved(shift)
+    if not _is_fixed(points, region):
+        return None
     depth = region.depth(points)
     distance = np.abs(depth)
     near = distance < ON_WALL
@@ -112,6 +121,23 @@ def _refined(points: Floats, shape: Region, shift: Floats) -> Floats | None:
             return None
         shift = shift + np.linalg.solve(weights, hit.T @ depth[near])
     return shift
+
+
+def _is_fixed(points: Floats, region: Region) -> bool:
+    """Whether two walls that are not parallel were hit, each beyond doubt: at two places, APART."""
+    depths = points @ region.normals.T - region.offsets
+    near = np.abs(depths) < APART
+    hit = []
+    for edge, normal in enumerate(region.normals):
+        on_it = (np.abs(depths[:, edge]) < ON_WALL) & (near.sum(axis=1) == 1)
+        along = points[on_it] @ np.array([-normal[1], normal[0]])
+        if along.size and np.ptp(along) > APART:
+            hit.append(normal)
+    return any(abs(_cross(a, b)) >= _PARALLEL for a, b in itertools.combinations(hit, 2))
+
+
+def _cross(a: Floats, b: Floats) -> float:
+    return float(a[0] * b[1] - a[1] * b[0])
 
 
 def drift(points: Floats, region: Region, about: tuple[float, float]) -> tuple[Floats, float]:

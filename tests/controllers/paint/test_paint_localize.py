@@ -75,3 +75,13 @@ def test_a_far_wall_hit_by_a_few_rays_is_not_put_nearer() -> None:
     fit = locate(np.concatenate([lower, right, upper, upper[-1:]]), SHAPE)
     assert fit is not None
     assert fit.region.right == pytest.approx(14.913, abs=1e-9)
+
+
+def test_the_last_point_of_one_wall_does_not_tell_where_the_next_one_is() -> None:
+    # In a crowd a robot's first two looks, from one place, show one wall and nothing else.
+    bearings = np.linspace(-math.pi / 2, math.pi / 2, 180)[1:-1]
+    ranges = (8.2186 / np.cos(bearings)).astype(np.float32).astype(float)  # as on Player's wire
+    wall = ranges[:, None] * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
+    y = wall[:, 1]
+    wall = wall[((y > -6.6) & (y < 6.4)) | ((y > 9.2) & (y < 9.8))]
+    assert locate(np.concatenate([wall, wall]), SHAPE) is None
