@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from paint_scene import REGION, look
 
-from controllers.paint.observe import Scan, see_robots
-from controllers.paint.squares import Square
+from controllers.paint.sight.scan import Scan, see_robots
+from controllers.paint.sight.squares import Square
 
 OUTSIDE = 0.1  # m: so far beyond its bounds a robot counts as out of them
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.paint.geometry import Pose, rectangle
-from controllers.paint.observe import GREEN, RED, Scan, take_scan
+from controllers.paint.sight.scan import GREEN, RED, Scan, take_scan
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
 

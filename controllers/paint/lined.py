@@ -11,19 +11,15 @@ cannot tell how many are hidden on which side: it waits until the outer ones hav
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from .brain import Brain
 from .compute import Side
 from .constants import BODY, HALF
 from .geometry import Floats
-from .hidden import Mask
 from .memory import Phase
-
-if TYPE_CHECKING:
-    from .brain import Brain
-    from .tracks import Track
+from .sight.shadows import Mask
+from .sight.tracks import Track
 
 LONG = 120.0
 """So long (s) what is known must not have changed."""

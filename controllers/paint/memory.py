@@ -16,9 +16,9 @@ import numpy as np
 
 from .compute import Act, Decision, Task
 from .geometry import Floats, Region
-from .hidden import Shadows
-from .ranking import RankBounds
-from .tracks import Tracks
+from .sight.ranking import RankBounds
+from .sight.shadows import Shadows
+from .sight.tracks import Tracks
 
 
 class Phase(Enum):

@@ -1,173 +1,159 @@
-"""The observe step: a laser scan and blobs become walls, and robots at places.
+"""The observe step: what a reading shows, put into the robot's mind.
 
-The laser gives geometry, the blobfinder colours: red is wall, green a robot. Once the robot knows
-where the walls are, a point that lies clearly inside the region is on a robot; the blobs confirm.
+It corrects odometry, follows robots, clears the places where unseen ones may be, narrows the rank.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .constants import BODY
-from .geometry import Floats, Pose, to_own_frame
-from .squares import Square, any_of, fit_square, may_be_one
+from .brain import FAR, Brain, Reading
+from .constants import BODY, HALF, TURNING
+from .geometry import Floats, Pose
+from .lined import hidden_on_line
+from .memory import Phase
+from .moves.room import NEARBY, Near, can_turn
+from .sight.localize import drift, locate
+from .sight.scan import CLEAR_OF_WALL, Scan, red_points, see_robots, take_scan, wall_points
+from .sight.shadows import Shadows, refuted
+from .sight.squares import Square
+from .sight.tracks import is_higher
 
-RED, GREEN = 0xFF0000, 0x00FF00
+CORRECTION = 0.5
+"""Odometry is compared with the walls this often (s)."""
 
-CLEAR_OF_WALL = 0.06
-"""A point farther inside the region than this (m) is not on a wall; bodies keep farther off."""
-
-
-class Patch(Protocol):
-    """What is used of a blob: its colour 0xRRGGBB and its columns in the image."""
-
-    @property
-    def color(self) -> int: ...
-    @property
-    def left(self) -> int: ...
-    @property
-    def right(self) -> int: ...
+SURE = 8
+"""When all robots are in view at once, each seen in this many scans, nobody is in the shadows."""
 
 
-@dataclass(frozen=True)
-class Scan:
-    """One reading of laser and blobfinder, placed in the own frame.
-
-    `ranges`, `bearings` (n,) from the right, m and rad, in the robot's frame; `points` (n, 2) and
-    `directions` (n, 2) in the own frame; `hit` (n,) whether something was hit; `red`, `green`
-    (n,) whether the blobs show the colour there (at the border of two colours, both).
-    """
-
-    pose: Pose
-    ranges: Floats
-    bearings: Floats
-    points: Floats
-    directions: Floats
-    hit: NDArray[np.bool_]
-    red: NDArray[np.bool_]
-    green: NDArray[np.bool_]
-
-    @cached_property
-    def maxima(self) -> Floats:
-        """The largest range of every run of 1, 2, 4, ... rays, a row each, (rows, n).
-
-        Row k holds at i the largest of the 2**k ranges from ray i on; what has no such run is 0.
-        """
-        rows = [self.ranges]
-        while 2 ** len(rows) <= len(self.ranges):
-            half = 2 ** (len(rows) - 1)
-            rows.append(np.maximum(rows[-1][:-half], rows[-1][half:]))
-        table = np.zeros((len(rows), len(self.ranges)))
-        for k, row in enumerate(rows):
-            table[k, : len(row)] = row
-        return table
+def observe(brain: Brain, reading: Reading) -> Scan:
+    """The observe step: correct odometry, follow robots, clear shadows, narrow the rank."""
+    memory = brain.memory
+    before = brain.pose
+    cos, sin = math.cos(memory.turn), math.sin(memory.turn)
+    x, y, yaw = (float(v) for v in reading.pose)
+    brain.pose = Pose(
+        cos * x - sin * y + float(memory.shift[0]),
+        sin * x + cos * y + float(memory.shift[1]),
+        yaw + memory.turn,
+    )
+    brain.moving = math.dist(before[:2], brain.pose[:2]) > 0.004
+    scan = take_scan(
+        brain.pose,
+        reading.ranges,
+        reading.bearings,
+        reading.max_range,
+        reading.blobs,
+        reading.image_width,
+    )
+    if memory.region is None:
+        _find_region(brain, scan)
+        if memory.region is None:
+            return scan
+    depth = brain.region.depth(scan.points)
+    _correct(brain, wall_points(scan, depth))
+    _follow(brain, scan, see_robots(scan, depth))
+    _find_nearest(brain, scan, depth)
+    return scan
 
 
-def take_scan(
-    pose: Pose,
-    ranges: Floats,
-    bearings: Floats,
-    max_range: float,
-    blobs: Iterable[Patch],
-    image_width: int,
-) -> Scan:
-    """Place a laser scan in the own frame and colour its rays by the blobs' columns.
-
-    Both sensors look ahead from the robot's centre with one field of view; column 0 of the image
-    is at the left end.
-    """
-    rays = np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
-    directions = to_own_frame(Pose(0.0, 0.0, pose.yaw), rays)
-    points = directions * ranges[:, None] + (pose.x, pose.y)
-    red, green = np.zeros(len(ranges), bool), np.zeros(len(ranges), bool)
-    fov = float(bearings[-1] - bearings[0])
-    columns = (bearings[-1] - bearings) * (image_width - 1) / fov
-    for blob in blobs:
-        inside = (columns > blob.left - 1) & (columns < blob.right + 1)
-        if blob.color == RED:
-            red |= inside
-        elif blob.color == GREEN:
-            green |= inside
-    hit = ranges < max_range
-    return Scan(pose, ranges, bearings, points, directions, hit, red, green)
+def _find_region(brain: Brain, scan: Scan) -> None:
+    memory = brain.memory
+    memory.wall_points.append(red_points(scan))
+    points = np.concatenate(memory.wall_points[-40:])
+    fit = locate(points[:: max(1, len(points) // 400)], brain.settings.shape)
+    if fit is not None:
+        memory.region = fit.region
+        memory.wall_points = []
+        memory.shadows = Shadows(fit.region, brain.settings.limits.speed, memory.began)
+        memory.shadows.spread(brain.time)
+        memory.phase = Phase.OBSERVING
 
 
-def red_points(scan: Scan) -> Floats:
-    """The scan's points on walls (n, 2), by colour alone."""
-    return scan.points[scan.hit & scan.red & ~scan.green]
+def _correct(brain: Brain, points: Floats) -> None:
+    """Pull odometry towards the walls by a fifth of what it is off; exact odometry is not."""
+    memory = brain.memory
+    if brain.time < memory.next_correction:
+        return
+    memory.next_correction = brain.time + CORRECTION
+    shift, turn = drift(points, brain.region, (brain.pose.x, brain.pose.y))
+    if max(abs(float(shift[0])), abs(float(shift[1])), abs(turn)) < 1e-6:
+        return
+    turn *= 0.2
+    cos, sin = math.cos(turn), math.sin(turn)
+    # The correction turns about the robot, so its place in the own frame stays but for shift.
+    back = np.array([brain.pose.x, brain.pose.y]) - memory.shift
+    turned = np.array([cos * back[0] - sin * back[1], sin * back[0] + cos * back[1]])
+    memory.shift = memory.shift + 0.2 * shift + back - turned
+    memory.turn += turn
 
 
-def wall_points(scan: Scan, depth: Floats) -> Floats:
-    """The scan's points on walls (n, 2); `depth` (rays,) says how far inside the region each is."""
-    return scan.points[scan.hit & scan.red & (depth < 2.0 * CLEAR_OF_WALL)]
+def _follow(brain: Brain, scan: Scan, seen: list[Square]) -> None:
+    memory = brain.memory
+    tracks, shadows = memory.tracks, brain.shadows
+    lost = tracks.update(seen, brain.time, brain.pose.y)
+    for track in lost:
+        shadows.admit(*track.centre, track.slack, is_higher(brain.pose.x, track))
+    out_of_view = [track for track in tracks.all if track.seen < brain.time]
+    if out_of_view:
+        places = np.array([track.centre for track in out_of_view])
+        radii = np.array([track.slack for track in out_of_view])
+        for i in np.flatnonzero(refuted(scan, brain.region, places, radii)):
+            track = out_of_view[i]
+            tracks.drop(track)
+            shadows.admit(*track.centre, track.slack, is_higher(brain.pose.x, track))
+    tracks.tell_apart()
+    shadows.spread(brain.time)
+    shadows.look(scan)
+    followed = tracks.sure
+    for track, square in tracks.sightings:
+        if square.certain and track.confirmed:
+            shadows.exclude(*square.centre, BODY - square.error)
+    unseen = brain.unseen
+    if unseen <= 0 and all(t.seen == brain.time and t.looks >= SURE for t in followed):
+        shadows.clear()
+    _narrow(brain, unseen)
 
 
-def see_robots(scan: Scan, depth: Floats) -> list[Square]:
-    """The robots in a scan, as squares in the own frame; `depth` as for `wall_points`."""
-    standing = scan.hit & scan.green & (depth > CLEAR_OF_WALL)
-    rays = np.flatnonzero(standing)
+def _find_nearest(brain: Brain, scan: Scan, depth: Floats) -> None:
+    """The ranges of the nearest points on robots, as `may_turn` takes them."""
+    rays = np.flatnonzero((depth > CLEAR_OF_WALL) & (scan.ranges < NEARBY))
     if rays.size == 0:
-        return []
-    gaps = np.hypot(*np.diff(scan.points[rays], axis=0).T)
-    cuts = np.flatnonzero((np.diff(rays) > 1) | (gaps > math.sqrt(2.0) * BODY)) + 1
-    seen: list[Square] = []
-    for run in np.split(rays, cuts):
-        for square in _squares_in(scan, run):
-            _add(seen, square)
-    return seen
+        brain.nearest = FAR
+        return
+    ranges = scan.ranges[rays]
+    adds = np.zeros(len(rays))
+    near = [t.centre for t in brain.memory.tracks.all if t.seen == brain.time]
+    if near:
+        away = np.hypot(*(scan.points[rays, None, :] - np.array(near)[None]).transpose(2, 0, 1))
+        stands = np.array([not can_turn(brain.region, x, y) for x, y in near])
+        adds = np.where(stands[away.argmin(axis=1)], TURNING - HALF, 0.0)
+    brain.nearest = Near(float(ranges.min()), float((ranges + adds).min()))
 
 
-def _add(seen: list[Square], square: Square) -> None:
-    """Add a square, unless it may be a piece of one seen already, left and right of what hides its
-    middle: of the two the exact one is kept."""
-    for i, other in enumerate(seen):
-        if may_be_one(square, other):
-            seen[i] = min(square, other, key=lambda s: (not s.certain, s.error))
-            return
-    seen.append(square)
-
-
-def _squares_in(scan: Scan, run: NDArray[np.intp]) -> list[Square]:
-    """One run of rays on robots as one square, or as several where one does not fit."""
-    square = _fit(scan, run)
-    if square is not None or len(run) == 1:
-        return [] if square is None else [square]
-    jumps = np.abs(np.diff(scan.ranges[run]))
-    order = np.argsort(-jumps, kind="stable")
-    found: list[list[Square]] = []
-    for cut in order[:6]:
-        if found and jumps[cut] < 0.5 * jumps[order[0]]:
-            break
-        parts = [_fit(scan, run[: cut + 1]), _fit(scan, run[cut + 1 :])]
-        squares = [part for part in parts if part is not None]
-        if len(squares) == 2:
-            found.append(squares)
-    if found:  # where it may be cut at several places, the squares are as vague as that
-        both = [any_of([pair[side] for pair in found]) for side in (0, 1)]
-        return [square for square in both if square is not None]
-    if jumps[order[0]] < 0.1:
-        return []  # one surface that is no robot's
-    cut = order[0]
-    return _squares_in(scan, run[: cut + 1]) + _squares_in(scan, run[cut + 1 :])
-
-
-def _fit(scan: Scan, run: NDArray[np.intp]) -> Square | None:
-    first, last = int(run[0]), int(run[-1])
-    right = _passing(scan, first - 1, float(scan.ranges[first]))
-    left = _passing(scan, last + 1, float(scan.ranges[last]))
-    return fit_square(scan.points[run], (scan.pose.x, scan.pose.y), (right, left))
-
-
-def _passing(scan: Scan, ray: int, beside: float) -> Floats | None:
-    """The direction of a ray if it went on clearly beyond what its neighbour hit."""
-    if not 0 <= ray < len(scan.ranges) or scan.ranges[ray] < beside + BODY + 0.05:
-        return None
-    direction: Floats = scan.directions[ray]
-    return direction
+def _narrow(brain: Brain, unseen: int) -> None:
+    """Narrow the bounds on the rank by what is followed and what is in shadow."""
+    memory = brain.memory
+    above = below = unsure = 0
+    for track in memory.tracks.sure:
+        higher = is_higher(brain.pose.x, track)
+        above += higher is True
+        below += higher is False
+        unsure += higher is None
+    sides = [is_higher(brain.pose.x, track) for track in memory.tracks.doubtful]
+    maybe_above, maybe_below = len(sides) - sides.count(False), len(sides) - sides.count(True)
+    memory.most = max(memory.most[0], above), max(memory.most[1], below)
+    y = brain.pose.y
+    room_above = brain.shadows.room_above(y) + maybe_above if unseen > 0 else 0
+    room_below = brain.shadows.room_below(y) + maybe_below if unseen > 0 else 0
+    hidden = hidden_on_line(brain) if unseen > 0 else None
+    if hidden is not None:
+        room_above, room_below = (unseen, 0) if hidden else (0, unseen)
+    doubt = memory.bounds.narrow(above, below, unsure, room_above, room_below)
+    if doubt is None:
+        memory.doubt_since = None
+    elif memory.doubt_since is None:
+        memory.doubt_since = brain.time
+    memory.doubt = doubt or memory.doubt

@@ -11,7 +11,7 @@ import numpy as np
 from .brain import PATIENCE, Settings
 from .constants import ARENA, EPSILON, SPRAYER
 from .geometry import Region, rectangle
-from .move import LIMITS, Limits
+from .moves.twist import LIMITS, Limits
 
 
 def _point(text: str) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from player import (
 )
 
 from .brain import Brain, Reading
+from .cycle import step
 from .geometry import Pose
 from .options import parse
 
@@ -47,7 +48,8 @@ def main() -> None:
                     settings, limits=settings.limits._replace(interval=interval)
                 )
             last = robot.time
-            command = brain.step(
+            command = step(
+                brain,
                 Reading(
                     robot.time,
                     Pose(base.x, base.y, base.yaw),
@@ -56,7 +58,7 @@ def main() -> None:
                     laser.max_range,
                     camera.blobs,
                     camera.width,
-                )
+                ),
             )
             for key, value in command.report.items():
                 simulation.report(key, value)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from controllers.paint.brain import Brain, Command, Reading, Settings
 from controllers.paint.constants import LEVEL
+from controllers.paint.cycle import step
 from controllers.paint.geometry import Pose
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
@@ -169,7 +170,7 @@ def run(
             reading = Reading(
                 time, pose, ranges[i], bearings, 20.0, blobs_of(palette[hits[i, ::-1] + 1]), 160
             )
-            command = brain.step(reading)
+            command = step(brain, reading)
             wanted[i] = _take(outcome, i, command, time)
         steps = np.array([ACCELERATION, ACCELERATION, TURN_ACCELERATION]) * 0.02
         for _ in range(5):

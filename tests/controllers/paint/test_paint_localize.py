@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.paint.geometry import Region, rectangle
-from controllers.paint.localize import locate
-from controllers.paint.observe import red_points
+from controllers.paint.sight.localize import locate
+from controllers.paint.sight.scan import red_points
 from scripts.paint_scene import look
 
 SHAPE = rectangle(16.0, 21.0)

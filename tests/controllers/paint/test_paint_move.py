@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from controllers.paint.constants import HALF, WALL_ROOM
 from controllers.paint.geometry import Pose, rectangle
-from controllers.paint.look import row_places
-from controllers.paint.move import Near, can_turn, may_turn
-from controllers.paint.tracks import Track
+from controllers.paint.moves.look import row_places
+from controllers.paint.moves.room import Near, can_turn, may_turn
+from controllers.paint.sight.tracks import Track
 from tests.papers.paint_bench import overlap
 
 ROOM = rectangle(16.0, 21.0)  # its corners are (0, 0) and (16, 21)

@@ -13,9 +13,9 @@ from controllers.paint.boustrophedon import lanes
 from controllers.paint.compute import crowded_strip
 from controllers.paint.constants import HALF, OVERLAP, SPRAYER
 from controllers.paint.geometry import Region, rectangle
-from controllers.paint.hidden import CELL, Shadows
 from controllers.paint.options import parse
-from controllers.paint.ranking import RankBounds
+from controllers.paint.sight.ranking import RankBounds
+from controllers.paint.sight.shadows import CELL, Shadows
 
 CONVEX = Region(np.array([[3, 0.5], [13, 0.5], [15.5, 9], [13, 20.5], [5, 20.5], [0.5, 12.0]]))
 

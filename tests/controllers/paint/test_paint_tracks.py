@@ -7,9 +7,9 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.paint.pairing import paired, swapped
-from controllers.paint.squares import Square
-from controllers.paint.tracks import STANDING, Tracks
+from controllers.paint.sight.pairing import paired, swapped
+from controllers.paint.sight.squares import Square
+from controllers.paint.sight.tracks import STANDING, Tracks
 
 SPEED = 0.5
 

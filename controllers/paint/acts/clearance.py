@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from .compute import Other, Side, is_lower, vertical_leg
-from .constants import APART, EPSILON, FINAL_TURN, HALF, HALT, INSET
-from .move import TURN_KEEP, can_turn
-from .tracks import is_higher
-
-if TYPE_CHECKING:
-    from .brain import Brain
+from ..brain import Brain
+from ..compute import Other, Side, is_lower, vertical_leg
+from ..constants import APART, EPSILON, FINAL_TURN, HALF, HALT, INSET
+from ..moves.room import TURN_KEEP, can_turn
+from ..sight.tracks import is_higher
 
 BESIDE = APART
 """Who is farther off than this along the row (m) is not in the way up or down."""

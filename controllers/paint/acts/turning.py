@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from . import look
-from .move import drive, free_travel, looks_at, may_turn, turn
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
-
+from ..brain import Brain, Command
+from ..moves import look
+from ..moves.room import free_travel, may_turn
+from ..moves.twist import drive, looks_at, turn
 
 NEAR = 0.05
 """A robot this near to a height (m) has arrived there."""

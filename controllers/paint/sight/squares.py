@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .constants import BODY, HALF
-from .geometry import Floats
+from ..constants import BODY, HALF
+from ..geometry import Floats
 
 TOLERANCE = 0.03
 """How far a point may be off the face that it is said to be on (m): 3 times a noise of 0.01 m."""

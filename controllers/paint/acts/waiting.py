@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from . import look
+from ..brain import Brain, Command
+from ..compute import Decision, Other, Side
+from ..constants import APART, BODY, HALT, WALL_ROOM
+from ..moves import look
+from ..moves.room import free_travel
+from ..moves.twist import drive, looks_at
 from .clearance import beside_limit, hidden_between, may_be_backed_into
-from .compute import Decision, Other, Side
-from .constants import APART, BODY, HALT, WALL_ROOM
-from .move import drive, free_travel, looks_at
 from .poring import fine_look
 from .turning import side_gaze, turning
 from .yielding import OPENS, give_way
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
 
 PATIENT = 8.0
 """After waiting this long (s) a robot steps aside to the wall, out of the others' view.

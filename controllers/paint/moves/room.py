@@ -1,4 +1,4 @@
-"""The move step: from a decision to a twist, without coming too near to anybody.
+"""Where there is room: to turn, and to go without coming too near to anybody.
 
 Bodies here may turn on the spot where they stand, so a robot that moves keeps far enough from
 whoever has room to turn (TURN_KEEP, in both axes); one that stands by a wall it may pass at
@@ -11,11 +11,9 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from controllers.motion import turn_to, wrap
-
-from .constants import EPSILON, HALF, TURNING, WALL_ROOM
-from .geometry import Pose, Region
-from .tracks import Track
+from ..constants import EPSILON, HALF, TURNING, WALL_ROOM
+from ..geometry import Pose, Region
+from ..sight.tracks import Track
 
 TURN_KEEP = 1.25
 """Half the width of the square around a body with room to turn that others stay out of (m)."""
@@ -41,17 +39,6 @@ BOTH_TURN_RADIUS = 2.0 * TURNING + 0.03
 WALL_GAP = 0.03
 """Nobody drives nearer to a wall than this (m)."""
 
-AIMED = math.radians(0.06)
-"""A gaze is taken when it is off by less."""
-
-
-class Limits(NamedTuple):
-    """The drive's limits: m/s, rad/s, and the time from reading to reading, s."""
-
-    speed: float
-    turn_rate: float
-    interval: float
-
 
 class Near(NamedTuple):
     """The range of the nearest laser point on a robot (m), and of the nearest on one with room to
@@ -59,20 +46,6 @@ class Near(NamedTuple):
 
     face: float
     turner: float
-
-
-class Motion(NamedTuple):
-    """A twist in the robot's frame: m/s ahead, m/s to the left, rad/s."""
-
-    ahead: float
-    left: float
-    turn: float
-
-
-REST = Motion(0.0, 0.0, 0.0)
-
-LIMITS = Limits(0.5, math.radians(90.0), 0.1)
-"""The limits of the robots in the worlds that come with Troupe."""
 
 
 def can_turn(region: Region, x: float, y: float) -> bool:
@@ -183,30 +156,6 @@ def free_travel(
         if enter <= leave:
             travel = min(travel, enter)
     return travel
-
-
-def drive(
-    pose: Pose, target: tuple[float, float], travel: float, limits: Limits, settle: float
-) -> Motion:
-    """The twist towards a target, at most `travel` metres on; slower over `settle` seconds."""
-    dx, dy = target[0] - pose.x, target[1] - pose.y
-    length = math.hypot(dx, dy)
-    if length < 1e-6 or travel <= 0.0:
-        return REST
-    speed = min(limits.speed, travel / settle)
-    vx, vy = dx / length * speed, dy / length * speed
-    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-    return Motion(cos * vx + sin * vy, cos * vy - sin * vx, 0.0)
-
-
-def turn(pose: Pose, gaze: float, limits: Limits) -> Motion:
-    """The twist that turns on the spot towards a heading."""
-    return Motion(0.0, 0.0, turn_to(pose.yaw, gaze, limits.turn_rate, limits.interval))
-
-
-def looks_at(pose: Pose, gaze: float) -> bool:
-    """Whether the robot's heading is the wanted one."""
-    return abs(wrap(gaze - pose.yaw)) < AIMED
 
 
 def passing_height(

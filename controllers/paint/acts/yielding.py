@@ -9,17 +9,13 @@ rank: behind a body half a body higher nobody is hidden that is lower.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from . import look
+from ..brain import Brain, Command
+from ..compute import Other, Side, is_lower
+from ..constants import APART, HALF
+from ..moves import look
+from ..moves.twist import looks_at
 from .clearance import beside_limit, may_be_backed_into, others, reachable, unseen_limit
-from .compute import Other, Side, is_lower
-from .constants import APART, HALF
-from .move import looks_at
 from .turning import NEAR, turning, up_or_down
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
 
 GIVE_WAY = 20.0
 """After waiting this long (s) for a level robot it looks whether it stands between two."""

@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .constants import BODY, HALF
-from .geometry import Floats, Region
-from .observe import Scan
+from ..constants import BODY, HALF
+from ..geometry import Floats, Region
+from .scan import Scan
 
 CELL = 0.25
 _HALF_DIAGONAL = CELL / math.sqrt(2.0)

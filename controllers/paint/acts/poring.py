@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from . import look
-from .move import turn
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
+from ..brain import Brain, Command
+from ..moves import look
+from ..moves.twist import turn
 
 PORING = 15.0
 """For so long (s) a robot looks exactly at another that is nearly level before it looks around."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .geometry import Floats, Region
+from ..geometry import Floats, Region
 
 ON_WALL = 0.05
 """A point this near to the boundary is on it (m): the laser's noise, 5 times 0.01 m."""

@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .compute import Side, is_lower
-from .constants import BODY, LEVEL
+from ..compute import Side, is_lower
+from ..constants import BODY, LEVEL
 from .pairing import paired, swapped
 from .squares import EXACT, Square
 

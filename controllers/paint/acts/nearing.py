@@ -7,14 +7,10 @@ the rank expires; and a crowd that spreads over the region hides less.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..brain import Brain, Command
+from ..task import task_of
 from .clearance import reachable
-from .task import task_of
 from .turning import up_or_down
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
 
 WORTH = 0.3
 """Less than this (m) is not worth going."""

@@ -9,11 +9,11 @@ import numpy as np
 
 from controllers.motion import wrap
 
-from .compute import Side
-from .constants import APART, EPSILON, HALF, LEVEL, WALL_ROOM
-from .geometry import Pose, Region
-from .hidden import Shadows
-from .tracks import Track
+from ..compute import Side
+from ..constants import APART, EPSILON, HALF, LEVEL, WALL_ROOM
+from ..geometry import Pose, Region
+from ..sight.shadows import Shadows
+from ..sight.tracks import Track
 from .view import best_step
 
 DWELL = 0.4

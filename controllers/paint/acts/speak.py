@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from .memory import Phase
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
+from ..brain import Brain, Command
+from ..memory import Phase
 
 
 def say(brain: Brain, command: Command, text: str) -> None:

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .constants import HALF
-from .geometry import Floats
+from ..constants import HALF
+from ..geometry import Floats
 
 _SHADE = HALF + 0.05
 """Half the width of the shadow that a robot is taken to cast (m): it may be turning."""

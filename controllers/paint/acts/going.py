@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from . import look
+from ..brain import Brain, Command
+from ..compute import Act, Decision, Side, decide
+from ..constants import APART, FINAL_TURN, HALF, INSET, WALL_ROOM
+from ..memory import Phase
+from ..moves import look
+from ..moves.room import free_travel, passing_height, room_to_turn
+from ..moves.twist import drive, looks_at
+from ..sight.tracks import Track
+from ..task import task_of
 from .clearance import hidden_on_row, others, reachable, unseen_limit
-from .compute import Act, Decision, Side, decide
-from .constants import APART, FINAL_TURN, HALF, INSET, WALL_ROOM
-from .memory import Phase
-from .move import (
-    drive,
-    free_travel,
-    looks_at,
-    passing_height,
-    room_to_turn,
-)
 from .speak import fail, say
-from .task import task_of
 from .turning import side_gaze, turning
 from .waiting import PATIENT, make_room, step_aside, wait
-
-if TYPE_CHECKING:
-    from .brain import Brain, Command
-    from .tracks import Track
 
 AT_GOAL = 0.01
 """A robot this near to its goal has reached it (m)."""

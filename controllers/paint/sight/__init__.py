@@ -1,0 +1,1 @@
+"""What a robot makes of its scans: walls, robots, where unseen ones may be, its own rank."""
