@@ -55,7 +55,7 @@ LEVEL = 0.002
 """Two robots whose heights differ by less are at the same height, and x decides [3.1 Step 1].
 
 As small as it can be measured by looking again and again at a robot that leans by up to AIMED
-(see `move`) while it looks back; half of it leaves level robots in the worlds undecided. Random
+(see `moves.twist`) while it looks back; half of it leaves level robots in the worlds undecided. Random
 heights must not be taken for equal ones: with four robots of random heights on 20 m, two are
 nearer than this once in 800 placements, with twelve once in 75.
 """
