@@ -54,8 +54,8 @@ backwards, without looking. It is seen free before, by EPSILON to either side of
 LEVEL = 0.002
 """Two robots whose heights differ by less are at the same height, and x decides [3.1 Step 1].
 
-As small as it can be measured by looking again and again at a robot that leans by up to AIMED
-(see `moves.twist`) while it looks back; half of it leaves level robots in the worlds undecided. Random
+As small as it can be measured by looking again and again at a robot that leans by up to AIMED (in
+`moves.twist`) while it looks back; half of it leaves level robots in the worlds undecided. Random
 heights must not be taken for equal ones: with four robots of random heights on 20 m, two are
 nearer than this once in 800 placements, with twelve once in 75.
 """

@@ -125,6 +125,10 @@ class Memory:
     passing_since: float | None = None
     """Since when it has let others pass beside its goal's row: not for ever."""
 
+    nearest: float = math.inf
+    nearer_at: float = 0.0
+    """How near to its goal it has come (m, along both legs), and when: see `stalled` in `going`."""
+
     held_since: float | None = None
     """Since when somebody beside its row has held it up on its way along it."""
 

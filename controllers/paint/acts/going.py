@@ -31,6 +31,13 @@ BERTH = 0.4
 PASSING = 30.0
 """For so long (s) a robot waits for others to pass along their rows beside its goal's row."""
 
+NEARER = 0.1
+"""Less than this (m) is no progress."""
+
+STALLED = 60.0
+"""Who has come no nearer to its goal for so long (s) decides less often: what it sees as it turns
+to step aside must not end the step, and no change of mind begins its patience anew."""
+
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
 _NEAR, _BEGUN = 2.0, 0.1  # m before the goal's height at which it steps aside to where it can turn
@@ -68,7 +75,9 @@ def go(brain: Brain, command: Command, new_cycle: bool) -> None:
         command.report["waits"] = memory.waits
         say(brain, command, "at goal")
         return
-    steps = memory.last_act is Act.CLIMB and memory.step_to is not None  # it ends that step first
+    _note_progress(brain)
+    ends_first = memory.last_act is Act.CLIMB or (memory.last_act is Act.CROSS and stalled(brain))
+    steps = ends_first and memory.step_to is not None
     if memory.decision is None or (new_cycle and not steps):
         memory.decision = _decide(brain)
         _tell(brain, command, memory.decision)
@@ -79,6 +88,18 @@ def go(brain: Brain, command: Command, new_cycle: bool) -> None:
         _cross(brain, command)
     else:
         wait(brain, command, decision)
+
+
+def _note_progress(brain: Brain) -> None:
+    memory, (x, y) = brain.memory, brain.task.goal
+    left = abs(brain.pose.x - x) + abs(brain.pose.y - y)
+    if left < memory.nearest - NEARER:
+        memory.nearest, memory.nearer_at = left, brain.time
+
+
+def stalled(brain: Brain) -> bool:
+    """Whether it has come no nearer to its goal for long, whatever it did."""
+    return brain.time - brain.memory.nearer_at > STALLED
 
 
 def _decide(brain: Brain) -> Decision:
@@ -106,12 +127,14 @@ def _tell(brain: Brain, command: Command, decision: Decision) -> None:
     waits = decision.act is Act.WAIT
     if waits and memory.last_act is not Act.WAIT:
         memory.waits += 1
-    if waits != (memory.last_act is Act.WAIT):
-        memory.waiting_since = brain.time if waits else None
+    if waits != (memory.last_act is Act.WAIT) and not stalled(brain):
+        memory.waiting_since = None
         memory.step_to = memory.giving_way = memory.opens_to = None
         memory.off_wall = False
         memory.gaze = brain.pose.yaw
-    if decision.act is not memory.last_act:
+    if waits and memory.waiting_since is None:
+        memory.waiting_since = brain.time
+    if decision.act is not memory.last_act and not stalled(brain):
         memory.held_since = None
     if decision.act is Act.CLIMB:
         memory.stepped = False
