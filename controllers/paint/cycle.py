@@ -23,8 +23,6 @@ def step(brain: Brain, reading: Reading) -> Command:
     memory = brain.memory
     if math.isinf(memory.began):
         memory.began = reading.time
-    brain.time = reading.time
-    brain.spacing = float(reading.bearings[1] - reading.bearings[0])
     scan = observe(brain, reading)
     if memory.region is None:
         search_walls(brain, scan, command)

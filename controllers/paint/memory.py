@@ -127,7 +127,12 @@ class Memory:
 
     nearest: float = math.inf
     nearer_at: float = 0.0
-    """How near to its goal it has come (m, along both legs), and when: see `stalled` in `going`."""
+    """How near to its goal it has come (m, along both legs), and when: see `stalled`."""
+
+    careful_from: float | None = None
+    gives_up: bool = False
+    careful_again: float = 0.0
+    """From which heading it turns carefully, whether it turns back, and when it may try again."""
 
     held_since: float | None = None
     """Since when somebody beside its row has held it up on its way along it."""

@@ -31,6 +31,8 @@ SURE = 8
 def observe(brain: Brain, reading: Reading) -> Scan:
     """The observe step: correct odometry, follow robots, clear shadows, narrow the rank."""
     memory = brain.memory
+    brain.time = reading.time
+    brain.spacing = float(reading.bearings[1] - reading.bearings[0])
     before = brain.pose
     cos, sin = math.cos(memory.turn), math.sin(memory.turn)
     x, y, yaw = (float(v) for v in reading.pose)

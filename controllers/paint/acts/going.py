@@ -15,7 +15,7 @@ from ..sight.tracks import Track
 from ..task import task_of
 from .clearance import hidden_on_row, others, reachable, unseen_limit
 from .speak import fail, say
-from .turning import side_gaze, turning
+from .turning import side_gaze, stalled, turning
 from .waiting import PATIENT, make_room, step_aside, wait
 
 AT_GOAL = 0.01
@@ -33,10 +33,6 @@ PASSING = 30.0
 
 NEARER = 0.1
 """Less than this (m) is no progress."""
-
-STALLED = 60.0
-"""Who has come no nearer to its goal for so long (s) decides less often: what it sees as it turns
-to step aside must not end the step, and no change of mind begins its patience anew."""
 
 _LAST_BIT = WALL_ROOM - INSET + 0.25
 """Where the goal's row is too near to a wall to turn on, the robot turns this far before it (m)."""
@@ -95,11 +91,6 @@ def _note_progress(brain: Brain) -> None:
     left = abs(brain.pose.x - x) + abs(brain.pose.y - y)
     if left < memory.nearest - NEARER:
         memory.nearest, memory.nearer_at = left, brain.time
-
-
-def stalled(brain: Brain) -> bool:
-    """Whether it has come no nearer to its goal for long, whatever it did."""
-    return brain.time - brain.memory.nearer_at > STALLED
 
 
 def _decide(brain: Brain) -> Decision:

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from ..brain import Brain, Command
+from ..memory import Phase
 from ..moves import look
 from ..moves.room import free_travel, may_turn
 from ..moves.twist import drive, looks_at, turn
+from . import careful
 
 NEAR = 0.05
 """A robot this near to a height (m) has arrived there."""
+
+STALLED = 60.0
+"""Who has come no nearer to its goal for so long (s) decides less often: what it sees as it turns
+to step aside must not end the step, and no change of mind begins its patience anew. And it turns
+where others may turn as well: see `careful`."""
+
+
+def stalled(brain: Brain) -> bool:
+    """Whether it goes to its goal and has come no nearer to it for long, whatever it did."""
+    memory = brain.memory
+    return memory.phase is Phase.GOING and brain.time - memory.nearer_at > STALLED
 
 
 def turning(brain: Brain, command: Command, gaze: float) -> bool:
@@ -16,10 +29,16 @@ def turning(brain: Brain, command: Command, gaze: float) -> bool:
 
     A robot that moves comes to rest first.
     """
+    memory = brain.memory
+    if memory.careful_from is not None and careful.go_on(brain, command, gaze):
+        return True
     if looks_at(brain.pose, gaze):
         return False
-    if not may_turn(brain.region, brain.pose, brain.memory.tracks.all, brain.time, brain.nearest):
-        return False
+    if not may_turn(brain.region, brain.pose, memory.tracks.all, brain.time, brain.nearest):
+        if not (stalled(brain) and careful.may_begin(brain)):
+            return False
+        memory.careful_from = brain.pose.yaw
+        return careful.go_on(brain, command, gaze)
     if not brain.moving:
         command.motion = turn(brain.pose, gaze, brain.settings.limits)
     return True

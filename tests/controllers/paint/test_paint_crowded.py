@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers.paint.brain import Settings
+from controllers.paint.acts.turning import turning
+from controllers.paint.brain import Brain, Command, Reading, Settings
 from controllers.paint.constants import SPRAYER
 from controllers.paint.geometry import rectangle
+from controllers.paint.memory import Phase
+from controllers.paint.moves import look
+from controllers.paint.moves.twist import looks_at
+from controllers.paint.observe import observe
 from controllers.paint.task import task_of
+from tests.papers import paint_bench
 from tests.papers.paint_bench import run
 
 ROOM = rectangle(16.0, 21.0)
@@ -179,4 +185,28 @@ def test_in_low_strips_nobody_goes_off_a_wall_to_turn_beside_the_next_row() -> N
         each_tick=lambda time, poses: heights.append(float(poses[0, 1])),
     )
     assert max(heights[1000:]) < 0.62
+    assert outcome.contacts == 0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_of_two_that_have_to_turn_beside_each_other_one_waits_for_the_other(
+    monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    def turns(brain: Brain, reading: Reading) -> Command:
+        observe(brain, reading)
+        brain.memory.phase, brain.memory.nearer_at = Phase.GOING, -math.inf
+        command = Command()
+        turning(brain, command, look.UP)
+        command.finished = looks_at(brain.pose, look.UP)
+        return command
+
+    monkeypatch.setattr(paint_bench, "step", turns)
+    outcome = run(
+        np.array([(8.0, 8.0, 0.0), (8.3, 9.25, math.pi)]),
+        lambda i: Settings(4),
+        CORNERS,
+        duration=120.0,
+        seed=seed,
+    )
+    assert outcome.finished == [True, True]
     assert outcome.contacts == 0
