@@ -46,10 +46,19 @@ is told the region's shape and the number of robots. Times are simulated; a test
 its slowest robot. Goals, contacts and order are judged from the true poses of every tick. P robots
 have the world's axes, N robots axes turned by 180 degrees.
 
+## The program, beside the paper
+
+In `controllers/paint`, `cycle.py` is one computational cycle of section 2: `observe.py` takes in
+what laser and blobfinder show, with `sight/` (walls, robots, who is who, where unseen ones may be,
+the rank); `compute.py` is section 3.1 from the ranks to the cases A to D, pure functions, and
+`task.py` the strip and the goal; `moves/` says where there is room to go and to turn, and `acts/`
+what a robot does in each phase; `boustrophedon.py` is the way over a strip. `constants.py` holds
+the paper's numbers and those of a body, `memory.py` all that is kept from cycle to cycle, and why.
+
 ## What bodies add
 
 The paper's robots are points that see everything at once. Of these robots one in view hides
-others, and `controllers/paint` adds to the paper's three steps what that takes:
+others, and to the paper's three steps is added what that takes:
 
 - Rank: a robot keeps bounds on how many are above and below it, which never expire because all
   keep the order; a grid of the places where an unseen robot may be says how many more there can
@@ -63,6 +72,9 @@ others, and `controllers/paint` adds to the paper's three steps what that takes:
   view, later to one end or the other, as it may hide two others from each other; where it has no
   room to turn it slides. After 100 s it also leaves the row of a robot that is nearly level, by
   half a body: it may be what keeps that one from knowing its rank.
+- Two bodies nearer than 1.41 m must not turn at the same time. Who has come no nearer to its goal
+  for 60 s begins to turn slowly beside one that it sees standing, and turns back if that one begins
+  as well.
 - A robot paints once no strip that it sees holds two robots, which may still be looking, but waits
   no longer than 900 s for that.
 - Who has painted looks for robots that it never saw, to tell that the number is right. In a crowd
