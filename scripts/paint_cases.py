@@ -218,6 +218,8 @@ def worlds(kinds: Sequence[str], folder: Path) -> str:
             video = Path(name) / "run.mp4"
             path = ROOT / "worlds" / f"paint_{kind}.yaml"
             result = troupe.run(path, video=video, video_fps=10)
+            if result.outcome == "interrupted":
+                raise KeyboardInterrupt
             figures.contact_sheet(video, folder / f"{kind}.png")
         goal, done = last(result, "goal_time"), last(result, "done_time")
         rows.append(
@@ -307,6 +309,8 @@ def main() -> None:
     )
     options.add_argument("--out", type=Path, default=ROOT / "docs" / "results")
     given = options.parse_args()
+    if given.tests < 1 or given.scenes < 1 or min(given.speeds) <= 0.0 or given.jitter < 0.0:
+        options.error("--tests, --scenes and --speeds have to be above 0, --jitter 0 or more")
     folder = given.out / "paint"
     folder.mkdir(parents=True, exist_ok=True)
     page = Page(given.out / "paint.md")
@@ -325,4 +329,8 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:
+        print("interrupted; the page holds the parts so far", file=sys.stderr)
+        sys.exit(130)

@@ -16,10 +16,11 @@ from __future__ import annotations
 import argparse
 import csv
 import os
+import signal
 import sys
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -125,12 +126,19 @@ def main() -> None:
     todo = [key for key in wanted if key not in done]
     print(f"{len(todo)} runs, {len(wanted) - len(todo)} are in {given.out}", flush=True)
     pool = ProcessPoolExecutor(given.jobs, get_context("spawn"))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         runs = [pool.submit(run, *key, given.limit) for key in todo]
         for count, future in enumerate(as_completed(runs), 1):
             rows.append(future.result())
             write(given.out, rows)
             print(f"{count} of {len(todo)}:", *rows[-1], flush=True)
+    except KeyboardInterrupt:
+        for worker in active_children():
+            worker.terminate()
+        pool.shutdown(cancel_futures=True)
+        print(f"interrupted; the rows so far are in {given.out}", file=sys.stderr)
+        sys.exit(130)
     finally:
         pool.shutdown(cancel_futures=True)
 

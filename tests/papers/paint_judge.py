@@ -113,7 +113,11 @@ def reported_goal(robot: RobotRecord) -> Floats:
 def judged_run(
     world: Path, seed: int, settings: Sequence[str] = (), duration: float | None = None
 ) -> Judged:
-    """Run a world with the judge watching."""
+    """Run a world with the judge watching.
+
+    Raises:
+        KeyboardInterrupt: the run was interrupted, and is no result.
+    """
     loaded = load(world, settings=settings)
     if loaded.world.region is not None and loaded.world.boundary is not None:
         corners: Any = loaded.world.region
@@ -123,4 +127,6 @@ def judged_run(
     judge = Judge(np.array(corners, dtype=float))
     limit = duration if duration is not None else loaded.world.duration
     result = run_world(loaded, Settings(seed, limit), each_tick=judge.each_tick)
+    if result.outcome == "interrupted":
+        raise KeyboardInterrupt
     return Judged(result, judge)
