@@ -148,10 +148,18 @@ def _least_width(shape: Floats) -> float:
 def _fill(
     room: Room, robots: list[RobotSpec], shape: Floats, margin: float, attempt: Attempt
 ) -> list[Floats] | None:
-    """Place all robots of an entry in the first poses of an attempt that fit, or None."""
-    found = []
+    """Place all robots of an entry in the first poses of an attempt that fit, or None.
+
+    Where they get the headings in turn, the first one's is the pose's, and the others' follow.
+    """
+    rule, headings = robots[0].placement, robots[0].headings
+    in_turn = headings if rule is not None and rule.in_turn else None
+    found: list[Floats] = []
     for index in range(len(robots)):
         for pose in attempt(index):
+            if in_turn is not None and found:
+                begin = in_turn.index(float(found[0][2]))
+                pose[2] = in_turn[(begin + index) % len(in_turn)]
             vertices = placed(shape, pose)
             if room.fits(vertices, margin):
                 room.occupy(vertices, margin)

@@ -152,6 +152,10 @@ class PlacementRule(Part):
         default=False, description="true: all robots of the entry on one line, same y"
     )
     margin: NonNegative = Field(default=0.1, description="m kept free around each robot")
+    in_turn: bool = Field(
+        default=False,
+        description="true: the robots get the `headings` in turn, from any on, instead of drawing",
+    )
 
 
 def _placement(value: Any) -> Any:
@@ -205,6 +209,12 @@ class Robots(Part):
         if self.pose is not None and self.headings is not None:
             raise wrong(
                 "`headings` goes with `placement`; a pose has its heading", at=("headings",)
+            )
+        if self.placement is not None and self.placement.in_turn and self.headings is None:
+            raise wrong(
+                "`in_turn` needs `headings` to give out",
+                at=("placement", "in_turn"),
+                uses=("headings", "placement"),
             )
         return self
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import yaml
 
 import troupe
 from controllers.paint.constants import OVERLAP
+from sim.worldfile import load
 from tests.papers.paint_judge import Judged, judged_run, reported_goal
 from tests.processes import ROOT, environment, troupe_command
 
@@ -34,6 +36,13 @@ def test_all_reach_their_goals_in_order_and_touch_nothing(
         assert robot.devices == [
             "position2d:0", "laser:0", "blobfinder:0", "speech:0", "simulation:0",
         ]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_in_case_iii_two_robots_on_one_line_have_opposite_orientations(seed: int) -> None:
+    poses = load(WORLDS / "paint_case_3.yaml").place(seed)
+    assert poses[0, 1] == poses[1, 1]
+    assert math.cos(poses[0, 2] - poses[1, 2]) == pytest.approx(-1.0)
 
 
 def test_who_hides_two_nearly_level_robots_from_each_other_leaves_their_line() -> None:

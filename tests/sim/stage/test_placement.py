@@ -95,6 +95,18 @@ def test_robots_on_one_line_share_their_y(seed: int, count: int) -> None:
             assert apart(outline, other, 0.399)
 
 
+@pytest.mark.parametrize("same_y", [True, False])
+def test_headings_in_turn_are_given_out_evenly_from_any_on(same_y: bool) -> None:
+    rule = {"same_y": same_y, "margin": 0.4, "in_turn": True}
+    robots = [{"model": "a", "count": 4, "placement": rule, "headings": (0, 180)}]
+    firsts = set()
+    for seed in range(20):
+        yaws = np.round(np.degrees(poses_of(seed, robots=robots)[0][:, 2])).tolist()
+        assert yaws in ([0, 180, 0, 180], [180, 0, 180, 0])
+        firsts.add(yaws[0])
+    assert firsts == {0, 180}
+
+
 def test_lines_and_orders_differ_from_seed_to_seed() -> None:
     robots = [{"model": "a", "count": 4, "placement": {"same_y": True}}]
     found = [poses_of(seed, robots=robots)[0] for seed in range(20)]
