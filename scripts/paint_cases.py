@@ -64,10 +64,11 @@ others, and to the paper's three steps is added what that takes:
   keep the order; a grid of the places where an unseen robot may be says how many more there can
   be. It goes when the bounds meet. Until then it looks around, steps aside along its row to where
   it sees most, and goes up or down as far as every rank it may have leads.
-- Robots on one line hide each other for good (`paint_line` has lasers of 27 m, so that they see
-  each other at all). Who stays hidden behind a robot at exactly the own height for two minutes is
-  taken to be on that line as well: the one thing that is taken for true without being seen.
-  Meanwhile a robot that stands between two others, above both or below both, leaves their line.
+- Robots on one line hide each other for good (`paint_line` has lasers of 27 m, farther than the
+  arena's diagonal: nobody can leave the line to look into a far corner). Who stays hidden behind a
+  robot at exactly the own height for two minutes is taken to be on that line as well: the one thing
+  that is taken for true without being seen. Meanwhile a robot that stands between two others, above
+  both or below both, leaves their line.
 - A robot that waits steps aside along its row: first to the wall, so as not to stand in others'
   view, later to one end or the other, as it may hide two others from each other; where it has no
   room to turn it slides. After 100 s it also leaves the row of a robot that is nearly level, by
@@ -80,7 +81,8 @@ others, and to the paper's three steps is added what that takes:
 - Who has painted looks for robots that it never saw, to tell that the number is right. In a crowd
   of more than six some may stay hidden; in strips lower than 1.5 m neighbours could not turn beside
   each other, and nobody looks.
-- Two heights that differ by less than two millimetres are equal, and x decides.
+- Two heights that differ by less than two millimetres are equal, and x decides. "Order changed"
+  counts what goes beyond a centimetre between two robots that start so.
 
 """
 
@@ -88,10 +90,13 @@ others, and to the paper's three steps is added what that takes:
 FIGURES = """\
 ![starts and goals](paint/starts_and_goals.png)
 
-As the paper's figures 5 and 6: where the robots start (squares; P to the right, N to the left),
-their ways (dotted, without side-steps) and their final goal points (dots).
+As the paper's figures 5 and 6, at the lower speed: where the robots start (squares; P look to the
+right, N to the left), where they stand at the end (dots), and the two legs of the algorithm between
+(dotted; side-steps are left out). Metres.
 
 ![phases of each robot](paint/timelines.png)
+
+What each robot is about, in the first test of each case at the lower speed, with painting.
 
 """
 
@@ -125,7 +130,16 @@ class Page:
     def add(self, part: str) -> None:
         """One more part."""
         self.text += part
-        self.path.write_text(self.text.rstrip() + "\n", encoding="utf-8")
+        self.growing.write_text(self.text.rstrip() + "\n", encoding="utf-8")
+
+    def end(self) -> None:
+        """It is whole: it takes the place of the page that was there."""
+        self.growing.replace(self.path)
+
+    @property
+    def growing(self) -> Path:
+        """Where it is kept until it is whole."""
+        return self.path.with_suffix(".part.md")
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -325,6 +339,7 @@ def main() -> None:
     if given.worlds:
         page.add(worlds(given.worlds, folder))
     page.add(placements(given.out / "paint" / TABLE.name))
+    page.end()
     print(page.path)
 
 
@@ -332,5 +347,5 @@ if __name__ == "__main__":
     try:
         main()
     except KeyboardInterrupt:
-        print("interrupted; the page holds the parts so far", file=sys.stderr)
+        print("interrupted; the parts so far are in paint.part.md", file=sys.stderr)
         sys.exit(130)

@@ -18,23 +18,23 @@ from sim.result import Result, RobotRecord
 WIDTH, HEIGHT = 16.0, 21.0
 COLORS = {
     "looking": "#bbbbbb", "observing": "#9ecae1", "going": "#4292c6", "waiting": "#fdae6b",
-    "at goal": "#08519c", "painting": "#74c476", "done": "#ffffff",
+    "at goal": "#08519c", "painting": "#74c476", "painted": "#c7e9c0", "done": "#ffffff",
 }  # fmt: skip
 
 
-def goal_in_world(robot: RobotRecord) -> tuple[float, float]:
-    """The goal that a robot reported in its own start frame, in the world."""
-    x, y, yaw = robot.start
-    gx, gy = robot.properties.get("goal", (math.nan, math.nan))
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return x + cos * gx - sin * gy, y + sin * gx + cos * gy
+def orientation(robot: RobotRecord) -> str:
+    """P for a robot that has the world's axes, N for one whose axes are turned by 180 degrees."""
+    return "P" if math.cos(robot.start[2]) > 0.0 else "N"
 
 
 def starts_and_goals(tests: Mapping[str, Sequence[Result]], path: Path) -> None:
-    """The paper's figures 5 and 6: one panel per test, one row per case."""
+    """The paper's figures 5 and 6, of runs that end at the goals: a panel per test, a row per case.
+
+    Where the robots started and where they stood at the end, by their true poses.
+    """
     columns = max(len(results) for results in tests.values())
     figure, panels = plt.subplots(
-        len(tests), columns, figsize=(1.7 * columns, 2.3 * len(tests)), squeeze=False
+        len(tests), columns, figsize=(2.2 * columns, 2.9 * len(tests)), squeeze=False
     )
     for row, (name, results) in zip(panels, tests.items(), strict=True):
         for panel in row[len(results) :]:
@@ -50,10 +50,13 @@ def starts_and_goals(tests: Mapping[str, Sequence[Result]], path: Path) -> None:
                     plt.Rectangle((x - 0.5, y - 0.5), 1, 1, fill=False, ec=f"C{i}", lw=1.2)
                 )
                 panel.plot([x, x + 1.1 * ahead], [y, y], color=f"C{i}", lw=1.2)
-                gx, gy = goal_in_world(robot)
+                panel.annotate(orientation(robot), (x, y), fontsize=6, ha="center", va="center")
+                gx, gy = robot.pose[:2]
                 panel.plot([x, x, gx], [y, gy, gy], ":", color=f"C{i}", lw=0.8)
                 panel.plot(gx, gy, "o", color=f"C{i}", ms=4)
-            panel.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), xticks=[], yticks=[], aspect="equal")
+            panel.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), xticks=(0, 8, 16), aspect="equal")
+            panel.set_yticks((0, 7, 14, 21))
+            panel.tick_params(labelsize=6, length=2)
             panel.set_title(f"{name}, test {number}", fontsize=7)
             for spine in panel.spines.values():
                 spine.set_color("red")
@@ -79,17 +82,18 @@ def timelines(results: Mapping[str, Result], path: Path) -> None:
             for phase, start, end in phases(robot, result.sim_time):
                 panel.barh(i, end - start, left=start, color=COLORS[phase], height=0.7)
         panel.set(yticks=range(len(result.robots)), xlim=(0, result.sim_time))
-        panel.set_yticklabels([robot.name for robot in result.robots], fontsize=7)
+        names = [f"{robot.name} ({orientation(robot)})" for robot in result.robots]
+        panel.set_yticklabels(names, fontsize=7)
         panel.set_title(f"{name}, test 1", fontsize=8)
     panels[-1, 0].set_xlabel("s")
-    shown = ("observing", "going", "waiting", "painting")
+    shown = [phase for phase in COLORS if phase != "done"]
     handles = [plt.Rectangle((0, 0), 1, 1, color=COLORS[phase]) for phase in shown]
-    figure.legend(handles, shown, ncol=len(shown), fontsize=8, loc="lower right")
+    figure.legend(handles, shown, ncol=len(shown), fontsize=7, loc="upper center")
     save(figure, path)
 
 
-def contact_sheet(video: Path, path: Path, frames: int = 6, width: int = 168) -> None:
-    """Frames of a video at even times, side by side, as one picture.
+def contact_sheet(video: Path, path: Path, frames: int = 6, width: int = 330) -> None:
+    """Frames of a video at even times, in two rows, as one picture.
 
     Raises:
         ValueError: the video has no frames.
@@ -106,12 +110,13 @@ def contact_sheet(video: Path, path: Path, frames: int = 6, width: int = 168) ->
     if not pictures:
         raise ValueError(f"{video}: no frames")
     chosen = np.linspace(0, len(pictures) - 1, frames).round().astype(int)
-    sheet = np.hstack([pictures[k] for k in chosen])
+    rows = np.array_split(chosen, 2)
+    sheet = np.vstack([np.hstack([pictures[k] for k in row]) for row in rows])
     cv2.imwrite(str(path), sheet, [cv2.IMWRITE_PNG_COMPRESSION, 9])
 
 
 def save(figure: plt.Figure, path: Path) -> None:
     """Write a figure."""
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0, 1, 0.97))
     figure.savefig(path, dpi=90)
     plt.close(figure)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 import os
 import signal
 import sys
@@ -110,11 +111,14 @@ def main() -> None:
     first, last = given.seeds
     if not 0 <= first <= last:
         options.error(f"--seeds: {first} to {last} holds no seed; give the first and the last")
-    if given.jobs < 1 or given.limit <= 0.0 or min(given.jitter) < 0.0:
+    sound = all(math.isfinite(value) for value in (given.limit, *given.jitter))
+    if not sound or given.jobs < 1 or given.limit <= 0.0 or min(given.jitter) < 0.0:
         options.error("--jobs has to be 1 or more, --limit above 0, --jitter 0 or more")
     try:
         rows = read(given.out)
-    except (KeyError, ValueError, TypeError) as error:
+        if given.out.exists() and not given.out.read_text(encoding="utf-8").startswith("world,"):
+            raise ValueError("it does not begin with the names of the columns")
+    except (KeyError, ValueError, TypeError, OSError) as error:
         options.error(f"{given.out} is not a table of this script ({error!r}); give another --out")
     done = {row[:3] for row in rows}
     wanted = [

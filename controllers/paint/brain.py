@@ -61,12 +61,14 @@ class Command:
     spray: bool = False
     say: str | None = None
     report: dict[str, Any] = field(default_factory=dict)
+    warning: str | None = None
     finished: bool = False
     failure: str | None = None
 
 
 class Brain:
-    """One robot's mind. `draw` gives random numbers in [0, 1) for the cycles' lengths."""
+    """One robot's mind. `draw` gives random numbers in [0, 1): for the cycles' lengths, and
+    wherever robots that decide alike would stand in each other's way for ever."""
 
     def __init__(self, settings: Settings, draw: Any) -> None:
         self.settings = settings

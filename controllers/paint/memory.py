@@ -63,6 +63,11 @@ class Memory:
     wall_points: list[Floats] = field(default_factory=list)
     """The points on walls until the region is found: one look may show too little of it."""
 
+    misfits: int = 0
+    fits: int = 0
+    """Looks in which the walls were where they should not be, and others: a wrong region may fit
+    two walls, and shows when the others come into view."""
+
     shift: Floats = field(default_factory=lambda: np.zeros(2))
     turn: float = 0.0
     """By how much odometry was found to be off: its drift is not seen in one reading."""
@@ -125,7 +130,7 @@ class Memory:
     passing_since: float | None = None
     """Since when it has let others pass beside its goal's row: not for ever."""
 
-    nearest: float = math.inf
+    least_left: float = math.inf
     nearer_at: float = 0.0
     """How near to its goal it has come (m, along both legs), and when: see `stalled`."""
 
@@ -166,6 +171,9 @@ class Memory:
 
     way: list[tuple[float, float]] = field(default_factory=list)
     """What is left of the way over the strip."""
+
+    moved_at: float = 0.0
+    """When it last moved while it paints: it does not stand there for ever."""
 
     spraying: bool = False
     """Whether the way over the strip has been begun: from there on the sprayer is on."""

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from .brain import PATIENCE, Settings
-from .constants import ARENA, EPSILON, SPRAYER
+from .constants import ARENA, EPSILON, OVERLAP, SPRAYER
 from .geometry import Region, rectangle
+from .moves.room import STAND_KEEP
 from .moves.twist import LIMITS, Limits
 
 
@@ -104,12 +105,19 @@ def parse(arguments: Sequence[str] | None = None) -> Settings:
             f"--robots {args.robots}: strips of {height:.2f} m are too low, at least {EPSILON} m "
             f"are needed, so at most {int((shape.top - shape.bottom) / EPSILON)} robots"
         )
+    sprayer = tuple(args.sprayer) if args.sprayer else SPRAYER
+    needed = STAND_KEEP + 2.0 * OVERLAP
+    if args.robots > 1 and min(sprayer) < needed:
+        parser.error(
+            f"--sprayer {sprayer[0]:g} {sprayer[1]:g}: at least {needed:g} m are needed, or "
+            "bodies that paint beside each other would touch"
+        )
     return Settings(
         robots=args.robots,
         paint=args.paint,
         shape=shape,
         jitter=args.jitter,
         limits=Limits(args.speed, math.radians(args.turn_rate), LIMITS.interval),
-        sprayer=tuple(args.sprayer) if args.sprayer else SPRAYER,
+        sprayer=sprayer,
         patience=args.patience,
     )

@@ -64,6 +64,8 @@ def main() -> None:
                 simulation.report(key, value)
             if command.say is not None:
                 speech.say(command.say)
+            if command.warning is not None:
+                print(f"paint: {command.warning}", file=sys.stderr)
             if sprayer is not None and command.spray != spraying:
                 spraying = command.spray
                 sprayer.set_output(int(spraying))

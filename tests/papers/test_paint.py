@@ -220,24 +220,61 @@ def test_as_many_as_have_room_all_get_to_paint(count: int, seed: int) -> None:
     run_to_the_end(swarm, chance)
 
 
-def run_to_the_end(swarm: Swarm, chance: Any) -> None:
-    """Activate robots one at a time until all paint, and judge every step."""
+@settings(deadline=None)
+@given(swarms(), st.data())
+def test_nobody_paints_a_strip_that_another_robot_is_in(swarm: Swarm, data: Any) -> None:
+    i = data.draw(st.integers(0, len(swarm.places) - 1))
+    task = swarm.task(i)
+    at_goal = task.goal
+    free = decide(*at_goal, task, [])
+    assert free.act is Act.PAINT
+    low, high = task.strip
+    x = data.draw(st.floats(-WIDTH / 2, WIDTH / 2))
+    y = data.draw(st.floats(low, high, exclude_min=True, exclude_max=True))
+    other = Other(x, y, side_of(at_goal[1], y), EPSILON, EPSILON)
+    taken = decide(*at_goal, task, [other])
+    assert (taken.act, taken.waits_for) == (Act.WAIT, other)
+    beyond = Other(x, high + 0.01, side_of(at_goal[1], high + 0.01), EPSILON, EPSILON)
+    assert decide(*at_goal, task, [beyond]).act is Act.PAINT
+
+
+@settings(max_examples=40, deadline=None)
+@given(swarms(), st.randoms(use_true_random=False))
+def test_the_same_with_looks_that_are_old_by_the_time_they_are_acted_on(
+    swarm: Swarm, chance: Any
+) -> None:
+    """Between its look and its move, or in the middle of it, others look and move."""
+    run_to_the_end(swarm, chance, late=True)
+
+
+def run_to_the_end(swarm: Swarm, chance: Any, late: bool = False) -> None:
+    """Activate robots one at a time until all paint, and judge every step.
+
+    `late`: a robot looks and decides in one activation, and acts on that in later ones.
+    """
+    decided: dict[int, Decision] = {}
     count = len(swarm.places)
     order = swarm.order()
     tasks = [swarm.task(i) for i in range(count)]
     painting: set[int] = set()
     # A leg takes at most 8 stops; the longest chain of robots that wait for each other is N.
-    for _ in range(100 * count):
+    for _ in range((200 if late else 100) * count):
         for i in chance.sample(range(count), count):
             if i in painting:
                 continue
-            decision = swarm.decide(i, tasks[i])
+            decision = decided.get(i) or swarm.decide(i, tasks[i])
             if decision.act is Act.PAINT:
                 painting.add(i)
                 continue
             if decision.act is Act.WAIT:
                 continue
-            advance(swarm, i, decision, chance.choice((0.25, 0.5, 1.0, 1.0)))
+            if late and i not in decided:
+                decided[i] = decision
+                continue
+            share = chance.choice((0.25, 0.5, 1.0, 1.0))
+            advance(swarm, i, decision, share)
+            if share == 1.0 or chance.random() < 0.5:
+                decided.pop(i, None)
             x, y = swarm.places[i]
             near = [max(abs(x - a), abs(y - b)) for j, (a, b) in enumerate(swarm.places) if j != i]
             assert min(near) >= 1.0 - 1e-9  # rounding of 21/N

@@ -14,6 +14,7 @@ from ..moves.room import STAND_KEEP, free_travel
 from ..moves.twist import drive, looks_at
 from . import going
 from .clearance import others
+from .painting import CROWD
 from .speak import say
 from .turning import turning
 
@@ -32,7 +33,10 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
     if not brain.settings.paint:
         memory.phase = Phase.DONE
         if sum(memory.most) < brain.settings.robots - 1:
-            say(brain, command, f"at goal; of {brain.settings.robots} robots I saw {brain.seen}")
+            counted = f"of {brain.settings.robots} robots I saw {brain.seen}"
+            say(brain, command, f"at goal; {counted}")
+            if brain.settings.robots <= CROWD:
+                command.warning = f"{counted}; who is told not to paint looks for no more"
         command.finished = True
         return
     task = brain.task
@@ -59,6 +63,7 @@ def check_strip(brain: Brain, command: Command, new_cycle: bool) -> None:
         return
     memory.way = lanes(brain.region, task.strip, brain.settings.sprayer)
     memory.phase = Phase.PAINTING
+    memory.moved_at = brain.time
     command.report["paint_time"] = round(brain.time, 3)
     say(brain, command, "painting")
 

@@ -89,8 +89,8 @@ def go(brain: Brain, command: Command, new_cycle: bool) -> None:
 def _note_progress(brain: Brain) -> None:
     memory, (x, y) = brain.memory, brain.task.goal
     left = abs(brain.pose.x - x) + abs(brain.pose.y - y)
-    if left < memory.nearest - NEARER:
-        memory.nearest, memory.nearer_at = left, brain.time
+    if left < memory.least_left - NEARER:
+        memory.least_left, memory.nearer_at = left, brain.time
 
 
 def _decide(brain: Brain) -> Decision:

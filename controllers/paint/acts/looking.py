@@ -14,13 +14,17 @@ from . import nearing
 from .poring import fine_look
 from .speak import fail, say
 
+NO_FIT = (
+    "the walls do not fit the arena's shape that I was told, as I stand or turned by 180 degrees"
+)
+
 
 def search_walls(brain: Brain, scan: Scan, command: Command) -> None:
     """Turn until enough of the walls has been seen to know where they are."""
     say(brain, command, "looking for the walls")
     memory = brain.memory
     if brain.time - memory.began > 60.0:
-        fail(brain, command, "the walls do not fit the arena's shape that I was told")
+        fail(brain, command, NO_FIT)
         return
     if brain.time - memory.began > 0.5 and float(scan.ranges.min()) > 0.75:
         memory.gaze += 0.0 if not looks_at(brain.pose, memory.gaze) else math.pi / 2

@@ -14,8 +14,13 @@ from .speak import fail, say
 from .turning import side_gaze, turning
 
 CROWD = 6
-"""Of more robots than this, some may always be hidden: not to have seen them is no failure, nor is
-to have taken two sightings of one for two, once the own rank is known."""
+"""Of more robots than this, some may always be hidden: not to have seen them is no failure, as long
+as they are fewer than half, nor is to have taken two sightings of one for two, once the own rank is
+known."""
+
+STALLED = 300.0
+"""Who paints and has not moved for so long (s) gives up: it is not of those that wait for others,
+but a body in its strip that will not go, or a drive that does not do what it is told."""
 
 COUNTING = 60.0
 """For so long (s) a robot that has painted looks for robots that it never saw."""
@@ -28,6 +33,11 @@ def paint(brain: Brain, command: Command) -> None:
     while way and math.dist(pose[:2], way[0]) < 0.02:
         way.pop(0)
         memory.spraying = True
+    if brain.moving:
+        memory.moved_at = brain.time
+    elif brain.time - memory.moved_at > STALLED:
+        fail(brain, command, "I cannot go on painting: something is in my way, or my drive")
+        return
     if not way:
         memory.phase = Phase.COUNTING
         memory.counting_since = brain.time
@@ -64,7 +74,7 @@ def count(brain: Brain, command: Command) -> None:
         say(brain, command, f"painted; looking for the robots that I never saw, {missing}")
         if roomy:
             _look_around(brain, command)
-    elif robots > CROWD:
+    elif robots > CROWD and 2 * brain.seen > robots:
         memory.phase = Phase.DONE
         say(brain, command, f"done; of {robots} robots I saw {brain.seen}")
         command.finished = True

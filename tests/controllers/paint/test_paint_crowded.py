@@ -36,10 +36,9 @@ def test_at_a_goal_along_a_wall_it_backs_off_turns_and_paints(robots: int, rank:
         duration=300.0,
         ranks=[rank],
     )
-    assert outcome.failures == [None, None]
-    assert outcome.finished == [True, True]
     assert outcome.contacts == 0
-    assert outcome.said[0][-1][1] == f"done; of {robots} robots I saw 2"
+    assert outcome.reports[0]["done_time"] > outcome.reports[0]["paint_time"]
+    assert outcome.failures[0] == f"I never saw more than 2 of the {robots} robots; told wrong?"
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -210,3 +209,29 @@ def test_of_two_that_have_to_turn_beside_each_other_one_waits_for_the_other(
     )
     assert outcome.finished == [True, True]
     assert outcome.contacts == 0
+
+
+def test_at_its_goal_it_paints_once_the_robot_in_its_strip_has_left() -> None:
+    def leave(time: float, poses: NDArray[np.float64]) -> None:
+        if time > 40.0:
+            poses[1, 1] = 17.0
+
+    outcome = run(
+        np.array([(4.0, 3.0, 0.0), (12.0, 9.0, 0.0)]),
+        lambda i: Settings(2),
+        CORNERS,
+        duration=60.0,
+        ranks=[1],
+        each_tick=leave,
+    )
+    said = [text for _, text in outcome.said[0]]
+    assert "waiting: a robot is in my strip at height 6.0" in said  # of its own start
+    assert 40.0 < outcome.reports[0]["paint_time"] < 60.0
+
+
+def test_who_is_told_too_large_a_region_says_so_and_hits_no_wall() -> None:
+    starts = np.array([(3.0, 4.0, 0.0), (12.0, 8.0, math.pi)])
+    outcome = run(starts, lambda i: Settings(2, shape=rectangle(17.0, 22.0)), CORNERS)
+    assert all(failure is not None and "do not fit" in failure for failure in outcome.failures)
+    assert outcome.contacts == 0
+    assert outcome.time < 100.0

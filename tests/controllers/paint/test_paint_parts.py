@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from controllers.paint.geometry import Region, rectangle
 from controllers.paint.options import parse
 from controllers.paint.sight.ranking import RankBounds
 from controllers.paint.sight.shadows import CELL, Shadows
+from tests.processes import ROOT
 
 CONVEX = Region(np.array([[3, 0.5], [13, 0.5], [15.5, 9], [13, 20.5], [5, 20.5], [0.5, 12.0]]))
 
@@ -146,3 +148,20 @@ def test_options_that_make_no_sense_are_refused_with_a_reason(
         parse(words)
     assert stop.value.code == 2
     assert message in capsys.readouterr().err
+
+
+def test_the_document_tells_all_options(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        parse(["--help"])
+    options = set(re.findall(r"--[a-z-]+", capsys.readouterr().out)) - {"--help"}
+    told = (ROOT / "docs" / "paint.md").read_text(encoding="utf-8")
+    assert options == set(re.findall(r"`(--[a-z-]+)", told))
+
+
+def test_a_sprayer_with_which_neighbours_would_touch_is_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit):
+        parse(["--robots", "4", "--sprayer", "1", "1"])
+    assert "at least 1.11 m" in capsys.readouterr().err
+    assert parse(["--robots", "1", "--sprayer", "1", "1"]).sprayer == (1.0, 1.0)
