@@ -20,17 +20,17 @@ from tests.papers.paint_bench import SAME_HEIGHT, expected_goals, ranked, touchi
 
 Floats = NDArray[np.float64]
 
-SPRAYER = 0.75  # m: half the width of what the painters of the worlds spray
-
 
 @dataclass
 class Judge:
     """Watches a run; `region` (k, 2) are the walls' corners, counter-clockwise.
 
-    `painted` are the lowest and the highest height that each robot's sprayer reached while on.
+    `sprayer` is the length and width of what the painters spray (m). `painted` are the lowest and
+    the highest height that each robot's sprayer reached while on.
     """
 
     region: Floats
+    sprayer: tuple[float, float]
     contacts: list[str] = field(default_factory=list)
     swaps: list[str] = field(default_factory=list)
     order: NDArray[np.intp] | None = None
@@ -57,7 +57,8 @@ class Judge:
         for (robot, _), is_on in engine.context.spraying.items():
             if is_on:
                 y, yaw = poses[robot, 1:]
-                reach = SPRAYER * (abs(math.cos(yaw)) + abs(math.sin(yaw)))
+                length, width = self.sprayer
+                reach = 0.5 * (abs(math.cos(yaw)) * width + abs(math.sin(yaw)) * length)
                 low, high = self.painted.get(robot, (y, y))
                 self.painted[robot] = min(low, y - reach), max(high, y + reach)
         self.contacts += [f"{engine.time:.1f} s: {what}" for what in self.touching(poses)]
@@ -124,7 +125,8 @@ def judged_run(
     else:
         width, height = loaded.layout.size
         corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
-    judge = Judge(np.array(corners, dtype=float))
+    sprayers = [actuator for m in loaded.world.models.values() for actuator in m.actuators]
+    judge = Judge(np.array(corners, dtype=float), sprayers[0].size)
     limit = duration if duration is not None else loaded.world.duration
     result = run_world(loaded, Settings(seed, limit), each_tick=judge.each_tick)
     if result.outcome == "interrupted":

@@ -43,7 +43,7 @@ def test_ranks_are_by_height_and_by_x_where_no_robot_can_tell_the_heights_apart(
 
 def _judge_rising(heights: list[float], start: float) -> Judge:
     """A judge that has watched one robot rise from `start` through `heights` beside one at 6 m."""
-    judge = Judge(ROOM)
+    judge = Judge(ROOM, (1.5, 1.5))
     records = [SimpleNamespace(start=(2.0, start, 0.0)), SimpleNamespace(start=(9.0, 6.0, 0.0))]
     for y in heights:
         judge.each_tick(
