@@ -111,12 +111,12 @@ that keeps to its own strip and off the walls cannot bring a square sprayer ther
 OVER = """\
 Each a run as far as the goals, at 0.5 m/s and for at most 1800 s, by `scripts/paint_placements`; a
 row each in [placements.csv](paint/placements.csv). "Seconds" are of those in which all goals are
-right. Three placements of `paint_swarm_12` have no end: after 1700 s who waits says for whom and
-gives up. At seed 33 two robots stand 1.27 m apart, one before its goal and one of open rank:
-neither turns as long as the other might turn at the same time, and what both have to see is behind
-them. At seed 57 three robots that start within 0.3 m of height hide each other, and the rank of one
-stays open. At seed 71 one robot takes a rank that is one too high, and who has that rank waits. Of
-`paint_swarm_16` seed 8 has no end either.
+right. Where a placement has no end, who waits says for whom and gives up after 1700 s. At seed 57
+of `paint_swarm_12` three robots that start within 0.3 m of height hide each other, and the rank of
+one stays open. The runs of 12 robots from seed 30 on (but for 33 and 71), and those of 16 robots,
+are from before robots turned carefully beside each other and kept their patience where they come no
+nearer to their goals. Both act only after 60 s without progress; at seeds 33 and 111 of 12 robots
+they were what was missing.
 """
 
 
