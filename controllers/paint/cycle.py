@@ -6,15 +6,12 @@ import math
 
 from .acts.at_goal import check_strip
 from .acts.going import go, set_out
-from .acts.looking import NO_FIT, look_around, search_walls
+from .acts.looking import look_around, search_walls
 from .acts.painting import CROWD, count, paint
 from .acts.speak import fail
 from .brain import Brain, Command, Reading
 from .memory import Phase
 from .observe import observe
-
-MISFITS = 20
-"""More looks at walls that are not where they should be, and a fifth of all, are no glitch."""
 
 DOUBT = 10.0
 """What is seen must contradict the number of robots for this long (s) before it is believed."""
@@ -38,9 +35,6 @@ def step(brain: Brain, reading: Reading) -> Command:
 def _carry_on(brain: Brain, command: Command) -> None:
     """One reading's worth of whatever phase the robot is in."""
     memory = brain.memory
-    if memory.misfits > MISFITS and memory.misfits > memory.fits / 4:
-        fail(brain, command, NO_FIT)
-        return
     if memory.phase in (Phase.OBSERVING, Phase.GOING, Phase.AT_GOAL):
         rank_open = memory.phase is Phase.OBSERVING
         doubtful = memory.doubt_since is not None and brain.time - memory.doubt_since > DOUBT

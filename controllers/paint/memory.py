@@ -63,11 +63,6 @@ class Memory:
     wall_points: list[Floats] = field(default_factory=list)
     """The points on walls until the region is found: one look may show too little of it."""
 
-    misfits: int = 0
-    fits: int = 0
-    """Looks in which the walls were where they should not be, and others: a wrong region may fit
-    two walls, and shows when the others come into view."""
-
     shift: Floats = field(default_factory=lambda: np.zeros(2))
     turn: float = 0.0
     """By how much odometry was found to be off: its drift is not seen in one reading."""

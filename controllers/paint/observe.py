@@ -24,10 +24,6 @@ from .sight.tracks import is_higher
 CORRECTION = 0.5
 """Odometry is compared with the walls this often (s)."""
 
-ENOUGH, MISFIT, SHARE = 20, 0.3, 0.2
-"""A look that shows so many points on walls, more than this share of them farther than this from
-where the walls should be (m), does not fit the region: a fifth is one wall of several."""
-
 SURE = 8
 """When all robots are in view at once, each seen in this many scans, nobody is in the shadows."""
 
@@ -62,7 +58,6 @@ def observe(brain: Brain, reading: Reading) -> Scan:
     _correct(brain, wall_points(scan, depth))
     _follow(brain, scan, see_robots(scan, depth))
     _find_nearest(brain, scan, depth)
-    _compare(brain, depth[scan.hit & scan.red & ~scan.green])
     return scan
 
 
@@ -95,14 +90,6 @@ def _correct(brain: Brain, points: Floats) -> None:
     turned = np.array([cos * back[0] - sin * back[1], sin * back[0] + cos * back[1]])
     memory.shift = memory.shift + 0.2 * shift + back - turned
     memory.turn += turn
-
-
-def _compare(brain: Brain, depths: Floats) -> None:
-    """Count looks whose points on walls, so deep inside the region, are in part off its edges."""
-    memory = brain.memory
-    if len(depths) >= ENOUGH:
-        off = float((np.abs(depths) > MISFIT).mean()) > SHARE
-        memory.misfits, memory.fits = memory.misfits + off, memory.fits + (not off)
 
 
 def _follow(brain: Brain, scan: Scan, seen: list[Square]) -> None:

@@ -227,11 +227,3 @@ def test_at_its_goal_it_paints_once_the_robot_in_its_strip_has_left() -> None:
     said = [text for _, text in outcome.said[0]]
     assert "waiting: a robot is in my strip at height 6.0" in said  # of its own start
     assert 40.0 < outcome.reports[0]["paint_time"] < 60.0
-
-
-def test_who_is_told_too_large_a_region_says_so_and_hits_no_wall() -> None:
-    starts = np.array([(3.0, 4.0, 0.0), (12.0, 8.0, math.pi)])
-    outcome = run(starts, lambda i: Settings(2, shape=rectangle(17.0, 22.0)), CORNERS)
-    assert all(failure is not None and "do not fit" in failure for failure in outcome.failures)
-    assert outcome.contacts == 0
-    assert outcome.time < 100.0
