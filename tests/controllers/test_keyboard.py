@@ -18,12 +18,12 @@ from hypothesis import strategies as st
 
 from controllers.keyboard import Keys, Throttle, key_by_key, place_of
 from player import DeviceAddr, Interface
+from tests.patience import PATIENCE
 from tests.processes import ROOT, environment
 from tests.troupe.stub_server import Stub, stub_server
 
 BASE = DeviceAddr(Interface.POSITION2D, 0)
 STATE = (1, bytes(52))
-PATIENCE = 30.0  # wall-clock seconds after which the program has failed the test
 
 
 def pressed(keys: str) -> Throttle:

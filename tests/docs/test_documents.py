@@ -13,6 +13,7 @@ import pytest
 
 import troupe
 from sim.worldfile import load
+from tests.patience import PATIENCE
 from tests.processes import ROOT, environment, troupe_command
 
 PAGES = [
@@ -115,10 +116,10 @@ def test_a_program_started_by_hand_drives_a_robot_of_a_run_that_listens(tmp_path
             env=environment(PLAYER_HOST="127.0.0.1", PLAYER_PORT=port),
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=PATIENCE,
             check=False,
         )
-        out, err = run.communicate(timeout=60)
+        out, err = run.communicate(timeout=PATIENCE)
     finally:
         run.kill()
     assert hand.returncode == 0, hand.stderr

@@ -106,7 +106,6 @@ def goal_in_world(swarm: Swarm, i: int, task: Task) -> tuple[float, float]:
     return swarm.signs[i] * x + WIDTH / 2, swarm.signs[i] * y + HEIGHT / 2
 
 
-@settings(deadline=None)
 @given(swarms())
 def test_observation_1_all_compute_the_same_ranks_up_to_a_reversal(swarm: Swarm) -> None:
     count = len(swarm.places)
@@ -117,7 +116,6 @@ def test_observation_1_all_compute_the_same_ranks_up_to_a_reversal(swarm: Swarm)
             assert swarm.rank(i, j) == (turned if same is None else same)
 
 
-@settings(deadline=None)
 @given(swarms())
 def test_observation_2_no_two_robots_share_a_strip(swarm: Swarm) -> None:
     count = len(swarm.places)
@@ -128,7 +126,6 @@ def test_observation_2_no_two_robots_share_a_strip(swarm: Swarm) -> None:
         assert ends == pytest.approx(wanted, abs=1e-9)  # rounding of 21/N
 
 
-@settings(deadline=None)
 @given(swarms())
 def test_goals_are_in_the_corner_of_the_own_axes_moved_inwards_by_the_inset(swarm: Swarm) -> None:
     count = len(swarm.places)
@@ -141,7 +138,6 @@ def test_goals_are_in_the_corner_of_the_own_axes_moved_inwards_by_the_inset(swar
         assert goal == pytest.approx(lower_left if swarm.signs[i] == 1 else upper_right, abs=1e-9)
 
 
-@settings(deadline=None)
 @given(st.sampled_from((True, False)), st.sampled_from((True, False)))
 def test_observation_4_of_two_level_robots_on_one_way_exactly_one_goes_first(
     upwards: bool, turned: bool
@@ -154,7 +150,6 @@ def test_observation_4_of_two_level_robots_on_one_way_exactly_one_goes_first(
         assert (tie_case(False, not upwards) in first) == (higher in first)
 
 
-@settings(deadline=None)
 @given(swarms())
 def test_observation_4_level_robots_never_wait_for_each_other(swarm: Swarm) -> None:
     waiting = {}
@@ -170,7 +165,6 @@ def test_observation_4_level_robots_never_wait_for_each_other(swarm: Swarm) -> N
 SCALES = st.one_of(st.integers(1, 1000).map(float), st.integers(-20, 20).map(lambda k: 2.0**k))
 
 
-@settings(deadline=None)
 @given(swarms(), SCALES)
 def test_a_scale_of_its_own_changes_no_decision_of_a_robot(swarm: Swarm, scale: float) -> None:
     for i in range(len(swarm.places)):
@@ -201,7 +195,7 @@ def advance(swarm: Swarm, i: int, decision: Decision, share: float) -> None:
     swarm.places[i] = swarm.signs[i] * nx + WIDTH / 2, swarm.signs[i] * ny + HEIGHT / 2
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(swarms(), st.randoms(use_true_random=False))
 def test_observations_3_and_5_and_the_result_with_asynchronous_activation(
     swarm: Swarm, chance: Any
@@ -220,7 +214,6 @@ def test_as_many_as_have_room_all_get_to_paint(count: int, seed: int) -> None:
     run_to_the_end(swarm, chance)
 
 
-@settings(deadline=None)
 @given(swarms(), st.data())
 def test_nobody_paints_a_strip_that_another_robot_is_in(swarm: Swarm, data: Any) -> None:
     i = data.draw(st.integers(0, len(swarm.places) - 1))
@@ -238,7 +231,7 @@ def test_nobody_paints_a_strip_that_another_robot_is_in(swarm: Swarm, data: Any)
     assert decide(*at_goal, task, [beyond]).act is Act.PAINT
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(swarms(), st.randoms(use_true_random=False))
 def test_the_same_with_looks_that_are_old_by_the_time_they_are_acted_on(
     swarm: Swarm, chance: Any

@@ -22,7 +22,7 @@ from wire_talk import (
     say,
 )
 
-PATIENCE = 20  # wall-clock seconds after which a script that waits has failed
+from tests.patience import PATIENCE
 
 
 class Talk:

@@ -4,7 +4,7 @@ import struct
 import threading
 
 import pytest
-from scripted_server import PATIENCE, scripted
+from scripted_server import scripted
 from wire_talk import (
     CMD,
     DATA,
@@ -29,6 +29,7 @@ from player import (
     SpeechProxy,
     XdrError,
 )
+from tests.patience import PATIENCE
 
 
 def state(x=0.0, stall=0):

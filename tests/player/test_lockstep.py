@@ -5,7 +5,6 @@ import threading
 from itertools import pairwise
 
 import pytest
-from scripted_server import PATIENCE
 from wire_talk import BANNER, open_device
 
 from player import (
@@ -20,6 +19,7 @@ from player.codes import DeviceAddr, Interface
 from player.directory import Directory
 from player.server import Disconnected, Server
 from player.session import Command, Request
+from tests.patience import PATIENCE
 
 BASE = DeviceAddr(Interface.POSITION2D, 0)
 SCANNER = DeviceAddr(Interface.LASER, 0)

@@ -15,7 +15,7 @@ DATA, CMD, REQ, ACK, SYNCH, NACK = MessageType
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=repr)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(data=st.data())
 def test_every_message_survives_the_round_trip(spec, data):
     values = data.draw(messages_of(spec))
@@ -27,7 +27,7 @@ def test_every_message_survives_the_round_trip(spec, data):
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=repr)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(data=st.data())
 def test_no_message_is_read_from_a_part_of_itself(spec, data):
     payload = spec.encode(data.draw(messages_of(spec)))

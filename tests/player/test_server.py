@@ -33,9 +33,9 @@ from player.codes import DeviceAddr
 from player.directory import Directory
 from player.server import Connected, Disconnected, Server
 from player.session import Command, Malformed, Request, Subscribed
+from tests.patience import PATIENCE
 
 BASE = DeviceAddr(POSITION2D, 0)
-PATIENCE = 10  # wall-clock seconds after which a test that waits for bytes has failed
 
 
 def directory():

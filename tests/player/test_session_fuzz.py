@@ -12,7 +12,7 @@ from player.directory import Directory
 from player.header import HEADER_SIZE
 from player.session import BACKLOG_LIMIT, MAX_REQUEST, Malformed, Request, Session
 
-SETTINGS = settings(max_examples=150, deadline=None)
+SETTINGS = settings(max_examples=150)
 TALK = [
     data_mode(2),
     data_mode(1),
@@ -106,7 +106,7 @@ def test_how_bytes_are_cut_changes_nothing(talk, data):
     assert receive_in(fresh(), whole, cuts) == receive_in(fresh(), whole, [])
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.integers(1, 200))
 def test_a_real_client_is_understood_in_pieces_of_any_size(size):
     whole = captured()
@@ -126,7 +126,7 @@ def test_no_announced_size_or_count_costs_memory(size, count, again):
     assert session.backlog <= len(BANNER) + 2 * HEADER_SIZE
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.integers(100, 3000))
 def test_a_client_that_only_talks_is_kept_within_bounds(times):
     session = fresh()

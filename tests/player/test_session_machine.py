@@ -189,5 +189,5 @@ class PatientSessionMachine(SessionMachine):
 
 TestSessions = SessionMachine.TestCase
 TestPatientSessions = PatientSessionMachine.TestCase
-TestSessions.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)
+TestSessions.settings = settings(max_examples=60, stateful_step_count=40)
 TestPatientSessions.settings = TestSessions.settings

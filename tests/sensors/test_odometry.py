@@ -134,7 +134,7 @@ def test_drift_repeats_and_is_each_robots_own():
     assert (run(2, ["a"]) != alone).any()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.tuples(*[st.floats(-50, 50)] * 3),
     st.lists(st.tuples(*[st.floats(-2, 2)] * 3), min_size=1, max_size=20),

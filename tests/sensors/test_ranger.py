@@ -87,7 +87,7 @@ coordinate = st.floats(-3, 3).map(lambda v: round(v, 2))
 pose = st.tuples(coordinate, coordinate, coordinate)
 
 
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250)
 @given(
     st.lists(st.tuples(pose, st.sampled_from(["box", "circle", "wall", "huge"])), max_size=8),
     st.lists(pose, min_size=1, max_size=3),

@@ -99,7 +99,7 @@ anywhere = st.floats(-4, 4).map(lambda a: round(a, 3))
 exact_pose = st.tuples(grid, grid, st.one_of(st.just(0.0), quarter, anywhere))
 
 
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250)
 @given(
     st.lists(st.tuples(exact_pose, st.sampled_from(["box", "circle", "bar"])), max_size=6),
     st.lists(exact_pose, min_size=1, max_size=4),

@@ -10,6 +10,8 @@ import socket
 import struct
 from typing import Any, NamedTuple, Self
 
+from tests.patience import PATIENCE
+
 DATA, CMD, REQ, ACK, SYNCH, NACK = 1, 2, 3, 4, 5, 6
 PLAYER, POSITION2D, SONAR, LASER, BLOBFINDER, FIDUCIAL = 1, 4, 5, 6, 7, 10
 SPEECH, BUMPER, DIO, SIMULATION, LOG, GRAPHICS2D, RANGER = 12, 14, 20, 31, 45, 55, 62
@@ -62,7 +64,7 @@ def message(
 class RawClient:
     """One TCP connection to a Player server. Data that comes before a reply is kept in `data`."""
 
-    def __init__(self, port: int, *, timeout: float = 60.0, host: str = "127.0.0.1") -> None:
+    def __init__(self, port: int, *, timeout: float = PATIENCE, host: str = "127.0.0.1") -> None:
         self.socket = socket.create_connection((host, port), timeout=timeout)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.rest = b""

@@ -14,6 +14,7 @@ from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
 from sim.result import Result
 from sim.worldfile import load
+from tests.patience import PATIENCE
 
 World = Callable[..., Path]
 """What the fixture `world` gives: it writes a world file."""
@@ -77,7 +78,7 @@ class Serving:
             self.lines.append(line)
             self.told.notify_all()
 
-    def line(self, pattern: str, within: float = 60.0) -> re.Match[str]:
+    def line(self, pattern: str, within: float = PATIENCE) -> re.Match[str]:
         """The first line that matches, now or as soon as it is said."""
 
         def found() -> re.Match[str] | None:
@@ -103,7 +104,7 @@ class Serving:
         x, y, yaw = map(float, self.engine.scenery.stage.poses[robot])
         return x, y, yaw
 
-    def result(self, within: float = 60.0) -> Result:
+    def result(self, within: float = PATIENCE) -> Result:
         """The result, when the run has come to its end."""
         self.thread.join(within)
         assert not self.thread.is_alive(), self.lines
@@ -122,7 +123,7 @@ class Serving:
         """Have the run look up from its wait."""
         for listener in list(self.engine.server._listeners):
             try:
-                socket.create_connection(listener.getsockname()[:2], timeout=1.0).close()
+                socket.create_connection(listener.getsockname()[:2], timeout=PATIENCE).close()
             except OSError:
                 continue
             return

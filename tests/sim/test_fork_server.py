@@ -13,6 +13,7 @@ import pytest
 import troupe
 from sim.fleet.forkserver import own_traceback
 from sim.fleet.launching import environment
+from tests.patience import PATIENCE
 from tests.processes import ROOT
 from tests.processes import environment as variables
 
@@ -95,7 +96,7 @@ def test_a_run_whose_standard_files_are_closed_runs_as_ever(
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "ran").exists()
@@ -115,7 +116,7 @@ def test_a_fleet_whose_descriptors_are_taken_by_nobody_serves_all_the_same(tmp_p
         """
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], env=variables(), cwd=ROOT, check=False, timeout=60
+        [sys.executable, "-c", code], env=variables(), cwd=ROOT, check=False, timeout=PATIENCE
     )
     assert done.returncode == 0
     assert (tmp_path / "outcome").read_text() == "completed"

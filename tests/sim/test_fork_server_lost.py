@@ -15,6 +15,7 @@ from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet, Launch
 from sim.run import run_world
 from sim.worldfile import load
+from tests.patience import PATIENCE
 
 WORLDS = Path(__file__).resolve().parents[2] / "worlds"
 
@@ -89,7 +90,7 @@ def test_a_world_with_a_door_ends_by_itself_with_every_robot_named(tick: int) ->
         assert (record.state, record.exit_code) == ("failed", -signal.SIGKILL)
         assert "the fork server has died" in (record.error or "")
         assert any(line.startswith(f"{record.name}: failed") for line in lines)
-    until = monotonic() + 2.0  # as long as the system may take to end what has been killed
+    until = monotonic() + PATIENCE
     while any(map(is_alive, started)) and monotonic() < until:
         sleep(0.01)
     assert [pid for pid in started if is_alive(pid)] == []

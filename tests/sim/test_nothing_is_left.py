@@ -1,4 +1,4 @@
-"""However a run ends, two seconds later none of its processes is alive."""
+"""However a run ends, none of its processes outlives it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from tests.patience import PATIENCE
 from tests.processes import all_gone, environment, marked, troupe_command
 
 World = Callable[..., Path]
@@ -96,7 +97,7 @@ def test_the_fork_server_is_killed(start: Callable[..., Run]) -> None:
     run.until_ready()
     (server,) = run.children()["server"]
     server.kill()
-    out, _ = run.process.communicate(timeout=20)
+    out, _ = run.process.communicate(timeout=PATIENCE)
     assert run.process.returncode == 1
     assert '"failed"' in out
     assert "fork server" in out
@@ -111,7 +112,7 @@ def test_it_is_interrupted_in_the_middle_and_tells_what_it_had(
     run = start(program)
     run.until_ready()
     os.kill(run.process.pid, number)
-    out, err = run.process.communicate(timeout=20)
+    out, err = run.process.communicate(timeout=PATIENCE)
     assert run.process.returncode == 130
     assert '"outcome": "interrupted"' in out
     assert "Traceback" not in err
@@ -124,7 +125,7 @@ def test_it_is_interrupted_in_the_first_second(start: Callable[..., Run], delay:
     run = start()
     time.sleep(delay)
     os.kill(run.process.pid, signal.SIGINT)
-    _, err = run.process.communicate(timeout=20)
+    _, err = run.process.communicate(timeout=PATIENCE)
     # 1: Python itself was starting, and gives up with this message of its own
     starting = run.process.returncode == 1 and "Fatal Python error: init" in err
     assert starting or run.process.returncode in (130, -signal.SIGINT), err
@@ -135,6 +136,6 @@ def test_it_is_interrupted_in_the_first_second(start: Callable[..., Run], delay:
 
 def test_it_ends_by_itself(start: Callable[..., Run]) -> None:
     run = start(STUBBORN, "--duration", "1", "--patience", "0.3")
-    out, _ = run.process.communicate(timeout=30)
+    out, _ = run.process.communicate(timeout=PATIENCE)
     assert '"hung"' in out
     assert all_gone(run.mark)

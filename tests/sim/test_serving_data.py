@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
 from tests.sim.raw_client import (
     ACK,
     BLOBFINDER,
@@ -434,7 +435,7 @@ def test_a_pause_stops_the_clock_until_it_is_lifted(run: Serving) -> None:
         with pytest.raises(TimeoutError):
             client.answer()
         assert run.engine.ticks == 1
-        client.socket.settimeout(60)
+        client.socket.settimeout(PATIENCE)
         tool.command(SIMULATION, 0, 1)
         while client.receive().type != 5:
             pass

@@ -15,6 +15,7 @@ import pytest
 
 from sim.fleet.launching import environment
 from sim.result import Result
+from tests.patience import PATIENCE
 from tests.processes import ROOT
 from tests.sim.raw_client import ACK, LASER, POSITION2D, PULL, PUSH, Gone, RawClient
 from tests.sim.serving import Serving, write_world
@@ -133,7 +134,7 @@ def test_clients_that_come_from_outside_give_the_same_digest(
             for name in NAMES
         ]
         result = run.result()
-    assert [client.wait(60) for client in clients] == [0, 0]
+    assert [client.wait(PATIENCE) for client in clients] == [0, 0]
     assert result.digest == expected.digest
     assert [robot.state for robot in result.robots] == ["running", "lost"]
 
@@ -196,7 +197,7 @@ def test_onlookers_change_nothing(folder: Path, expected: Result, kind: str, see
     with serve(folder, controller) as run:
         onlookers = Onlookers(run, seed)
         result = run.result()
-        onlookers.thread.join(60)
+        onlookers.thread.join(PATIENCE)
     assert onlookers.rounds > 10
     check(result, expected)
 

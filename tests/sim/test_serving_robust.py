@@ -390,7 +390,6 @@ def driver(fuzzed: Serving) -> Iterator[RawClient]:
 
 @settings(
     max_examples=150,
-    deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(

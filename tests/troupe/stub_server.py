@@ -11,6 +11,7 @@ from player import DeviceAddr
 from player.directory import Directory
 from player.server import Connection, Disconnected, Server
 from player.session import Command, Request
+from tests.patience import PATIENCE
 
 
 class Stub:
@@ -25,7 +26,7 @@ class Stub:
     def name(self) -> str:
         return f"127.0.0.1:{self.port}"
 
-    def wait_for(self, count: int, seconds: float = 20.0) -> list[Command]:
+    def wait_for(self, count: int, seconds: float = PATIENCE) -> list[Command]:
         """The commands, as soon as there are so many; fails the test if they do not come."""
         with self.heard:
             assert self.heard.wait_for(lambda: len(self.commands) >= count, seconds), self.commands
@@ -79,12 +80,12 @@ def stub_server(
     ready = threading.Event()
     thread = threading.Thread(target=serve)
     thread.start()
-    assert ready.wait(20)
+    assert ready.wait(PATIENCE)
     try:
         yield stub
     finally:
         waker.close()
-        thread.join(20)
+        thread.join(PATIENCE)
         stop.close()
 
 
@@ -107,4 +108,4 @@ def rude_server(greeting: bytes) -> Iterator[str]:
     finally:
         listener.shutdown(socket.SHUT_RDWR)
         listener.close()
-        thread.join(20)
+        thread.join(PATIENCE)

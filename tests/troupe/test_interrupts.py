@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
 from tests.processes import environment
 
 LOADED = """
@@ -33,7 +34,7 @@ def test_an_interrupt_in_a_callback_of_the_import_machinery_ends_the_command(
     program = LOADING.format(heed="heed_interrupts()" if heeds else "")
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, env=environment(),
-        capture_output=True, text=True, check=False, timeout=60,
+        capture_output=True, text=True, check=False, timeout=PATIENCE,
     )  # fmt: skip
     if heeds:
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
@@ -51,6 +52,6 @@ def test_an_interrupt_elsewhere_is_an_exception() -> None:
     )
     done = subprocess.run(
         [sys.executable, "-c", program], env=environment(), capture_output=True, text=True,
-        check=True, timeout=60,
+        check=True, timeout=PATIENCE,
     )  # fmt: skip
     assert done.stdout == "caught\n"

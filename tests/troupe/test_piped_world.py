@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
 from tests.processes import environment
 from troupe.worlds import find_world
 
@@ -42,7 +43,7 @@ def test_a_piped_world_finds_its_map_from_the_current_folder(
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
 

@@ -14,6 +14,7 @@ import pytest
 import player
 from player import DeviceAddr, Interface, MessageType, PlayerClient, PlayerRefused, messages
 from player.xdr import Array, Octets, Record, Text
+from tests.patience import PATIENCE
 from tests.processes import ROOT, environment, troupe_command
 
 PAGE = (ROOT / "docs" / "player.md").read_text(encoding="utf-8")
@@ -87,7 +88,7 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Playe
             served = re.search(r"(\w+) is served at 127\.0\.0\.1:(\d+)", line)
             if served:
                 clients[served[1]] = PlayerClient(
-                    "127.0.0.1", int(served[2]), timeout=60.0, environ={}
+                    "127.0.0.1", int(served[2]), timeout=PATIENCE, environ={}
                 )
             if len(clients) == 2:
                 break
@@ -96,7 +97,7 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Playe
         for client in clients.values():
             client.close()
         run.terminate()
-        run.communicate(timeout=30)
+        run.communicate(timeout=PATIENCE)
 
 
 def _indented(world: str) -> str:

@@ -11,6 +11,7 @@ import typer
 
 import troupe as package
 from sim.result import RobotRecord
+from tests.patience import PATIENCE
 from tests.processes import environment, troupe_command
 from troupe.run_command import run
 from troupe.summary import robot_line
@@ -24,7 +25,7 @@ def troupe(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[
         capture_output=True,
         text=True,
         check=False,
-        timeout=100,
+        timeout=PATIENCE,
     )
 
 

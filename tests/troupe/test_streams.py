@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
 from tests.processes import environment
 from troupe.show import Screen, shown
 
@@ -19,7 +20,7 @@ def shell(command: str, **variables: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         ["bash", "-c", f"set -o pipefail; {command.replace('troupe', '$0 -m troupe')}",
          sys.executable],
-        env=environment(**variables), capture_output=True, text=True, check=False, timeout=60,
+        env=environment(**variables), capture_output=True, text=True, check=False, timeout=PATIENCE,
     )  # fmt: skip
 
 

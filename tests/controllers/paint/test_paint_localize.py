@@ -39,7 +39,7 @@ def crowd(own: tuple[float, float], others: list[tuple[float, float]], turned: b
     return np.array([[x, y, heading] for x, y in kept])
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(places, st.lists(places, max_size=15), st.booleans(), st.floats(-math.pi, math.pi))
 def test_walls_are_found_where_they_are_or_not_yet(
     own: tuple[float, float], others: list[tuple[float, float]], turned: bool, gaze: float

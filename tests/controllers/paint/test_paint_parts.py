@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from controllers.paint.boustrophedon import lanes
@@ -22,7 +22,6 @@ from tests.processes import ROOT
 CONVEX = Region(np.array([[3, 0.5], [13, 0.5], [15.5, 9], [13, 20.5], [5, 20.5], [0.5, 12.0]]))
 
 
-@settings(deadline=None)
 @given(st.data())
 def test_bounds_on_the_rank_always_hold_the_true_rank(data: st.DataObject) -> None:
     robots = data.draw(st.integers(1, 19))
@@ -92,7 +91,6 @@ def test_a_strip_is_crowded_where_two_robots_are_in_it(
     assert crowded_strip(shifted, 4, -7.0, 14.0) == strip
 
 
-@settings(deadline=None)
 @given(st.floats(1.0, 15.0), st.floats(1.0, 20.0), st.floats(0.0, math.tau), st.floats(0.0, 10.0))
 def test_who_drives_at_full_speed_never_leaves_the_places_where_it_may_be(
     x: float, y: float, heading: float, seconds: float

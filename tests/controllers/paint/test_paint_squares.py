@@ -33,7 +33,7 @@ def beyond(square: Square, pose: np.ndarray) -> float:
     return max(x0 - pose[0], pose[0] - x1, y0 - pose[1], pose[1] - y1)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(robots, min_size=2, max_size=5), st.floats(-math.pi, math.pi))
 def test_certain_sightings_hold_the_centre_within_what_pairing_allows(
     places: list[tuple[float, float, float]], yaw: float
@@ -46,7 +46,7 @@ def test_certain_sightings_hold_the_centre_within_what_pairing_allows(
             assert min(beyond(square, pose) for pose in poses[1:]) <= LAG
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(
     st.tuples(st.floats(2.0, 14.0), st.floats(2.0, 19.0)),
     st.floats(1.6, 12.0), st.floats(-0.4, 0.4), st.booleans(), st.floats(-0.009, 0.009),
@@ -65,7 +65,7 @@ def test_a_standing_robot_that_is_nearly_level_is_bounded_exactly(
     assert square.y[1] - square.y[0] <= math.radians(1.0) * (distance + 1.0)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(
     st.integers(2, 10), st.integers(0, 5), st.floats(1.31, 1.75),
     st.floats(3.0, 14.0), st.floats(1.0, 20.0), st.sampled_from([0.0, math.pi]),

@@ -42,7 +42,7 @@ def under(paint: FloorPaint, pose: Any, size: Any, offset: Any = (0.0, 0.0)) -> 
     return (abs(z.real) <= size[0] / 2 + 1e-9) & (abs(z.imag) <= size[1] / 2 + 1e-9)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     way=st.lists(
         st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1), st.floats(-0.2, 0.2)),

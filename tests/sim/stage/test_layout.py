@@ -46,7 +46,7 @@ def test_the_boundary_stands_outside_and_has_no_gap() -> None:
     assert len(layout.segments) == 4
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(region=convex_polygons())
 def test_walls_along_a_region_stand_outside_of_it_and_close_it(region: Any) -> None:
     layout = build(region=region, boundary={"shape": "region", "thickness": 0.2})
@@ -65,7 +65,7 @@ def test_walls_along_a_region_stand_outside_of_it_and_close_it(region: Any) -> N
         assert shared == pytest.approx(4e-4, rel=1e-6)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(region=convex_polygons(), seed=st.integers(0, 100))
 def test_inside_is_in_the_region_and_in_no_obstacle(region: Any, seed: int) -> None:
     obstacles = [
@@ -164,7 +164,7 @@ def test_a_door_at_a_point_takes_the_map_s_cell_or_the_body_s_room(tmp_path: Pat
         maze(tmp_path, "####\n#..#\n####\n", doors=[{**at_point, "at": (0.1, 0.1)}])
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(one=convex_polygons(), two=convex_polygons(), dx=st.floats(-7, 7), dy=st.floats(-7, 7))
 def test_separation_is_the_distance_or_minus_the_depth(
     one: Any, two: Any, dx: float, dy: float

@@ -112,7 +112,7 @@ def test_mistakes_in_a_text_map_have_their_line_and_column(
     assert all(m.file == "maze.txt" for m in caught.value.mistakes)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(walls=WALLS)
 def test_an_image_map_is_its_dark_pixels(walls: np.ndarray, tmp_path_factory: object) -> None:
     folder = tmp_path_factory.mktemp("map")  # type: ignore[attr-defined]

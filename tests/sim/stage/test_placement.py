@@ -44,7 +44,7 @@ def apart(one: np.ndarray, two: np.ndarray, margin: float) -> bool:
     return all(overlap(one + way, two) == 0.0 for way in ways)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 10**6), count=st.integers(1, 12), shape=st.sampled_from("abc"))
 def test_random_placements_overlap_nothing(seed: int, count: int, shape: str) -> None:
     robots = [
@@ -62,7 +62,7 @@ def test_random_placements_overlap_nothing(seed: int, count: int, shape: str) ->
         assert outline.max() < 10
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(seed=st.integers(0, 10**6), margin=st.floats(0.0, 0.6))
 def test_a_margin_is_kept_to_everything(seed: int, margin: float) -> None:
     robots = [{"model": "b", "count": 6, "placement": {"margin": margin}}]
@@ -74,7 +74,7 @@ def test_a_margin_is_kept_to_everything(seed: int, margin: float) -> None:
             assert apart(outline, other, max(0.0, margin - 0.002))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10**6))
 def test_headings_are_drawn_from_their_set(seed: int) -> None:
     robots = [{"model": "a", "count": 8, "placement": "random", "headings": (0, 180)}]
@@ -82,7 +82,7 @@ def test_headings_are_drawn_from_their_set(seed: int) -> None:
     assert set(np.round(poses[:, 2], 12)) <= {0.0, round(math.pi, 12)}
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10**6), count=st.integers(1, 7))
 def test_robots_on_one_line_share_their_y(seed: int, count: int) -> None:
     rule = {"same_y": True, "margin": 0.4}
@@ -126,7 +126,7 @@ def test_a_placement_depends_on_the_seed_and_the_entries_alone() -> None:
 REGION = ((2.0, 1.0), (8.0, 1.5), (9.0, 6.0), (5.0, 9.0))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10**6), shape=st.sampled_from(["size", "region"]))
 def test_robots_are_placed_within_the_region(seed: int, shape: str) -> None:
     robots = [{"model": "a", "count": 10, "placement": "random"}]

@@ -42,7 +42,7 @@ def test_the_tests_own_geometry_measures_overlaps() -> None:
     assert overlap(square, np.add(diamond, [1.9, 0.5])) == pytest.approx(0.1)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(
     shapes=st.tuples(st.sampled_from(SHAPES), st.sampled_from(SHAPES)),
     speed=st.floats(0.1, 3.0),

@@ -29,7 +29,7 @@ def go(stage: Stage, ticks: int) -> None:
         stage.tick()
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     speed=st.floats(-2.0, 2.0),
     turn=st.floats(-2.0, 2.0),
@@ -251,7 +251,7 @@ def test_commands_that_are_no_numbers_are_refused() -> None:
         stage.settle(3)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(turns=st.floats(-50, 50))
 def test_yaws_are_wrapped(turns: float) -> None:
     _, stage = set_up(models={"a": robot()})

@@ -18,11 +18,11 @@ from video_arenas import SQUARE, walled
 
 from sim.video import FrameView
 from sim.video.recorder import Recorder
+from tests.patience import PATIENCE
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
-PATIENCE = 60
 """Wall-clock seconds for a browser to start and play; it takes three on an idle machine."""
 
 PAGE = """<!doctype html><video id="v" src="run.mp4" muted autoplay playsinline></video>

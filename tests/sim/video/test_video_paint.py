@@ -51,7 +51,7 @@ def test_every_pixel_has_the_tint_of_the_cell_under_its_centre(resolution: float
     assert np.abs(painted.image.astype(int) - wanted.astype(int)).max() <= 1
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.25, 0.05, 0.013]))
 def test_many_small_changes_look_like_one_large_one(seed: int, resolution: float) -> None:
     rng = np.random.default_rng(seed)

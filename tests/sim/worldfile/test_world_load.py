@@ -53,6 +53,8 @@ controllers:
 player: {host: 127.0.0.1, port: 6665, layout: per_robot, clock: all}
 """
 
+ALLOWED = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
@@ -195,7 +197,8 @@ ODD: st.SearchStrategy[Any] = st.recursive(
 
 
 @settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=60,
+    suppress_health_check=ALLOWED,
 )
 @given(
     st.lists(
@@ -215,7 +218,8 @@ def test_whatever_stands_where_it_should_not_every_mistake_has_its_place(
 
 
 @settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=50,
+    suppress_health_check=ALLOWED,
 )
 @given(
     st.binary(max_size=60)
@@ -230,7 +234,8 @@ def test_whatever_bytes_a_file_holds_only_a_world_error_comes_out(
 
 
 @settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=50,
+    suppress_health_check=ALLOWED,
 )
 @given(st.text(alphabet="abmodels.=0123456789[]{}: \n-", max_size=30))
 def test_whatever_a_setting_says_only_a_world_error_comes_out(path: Path, setting: str) -> None:

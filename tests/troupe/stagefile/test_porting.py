@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from player import PlayerClient
+from tests.patience import PATIENCE
 from tests.processes import ROOT, environment
 
 PAGE = (ROOT / "docs" / "porting.md").read_text(encoding="utf-8")
@@ -86,7 +87,7 @@ class Depot:
     def run(self, command: str) -> str:
         """What a command prints; it must succeed."""
         process = self.start(command)
-        out, err = process.communicate(timeout=100)
+        out, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0, f"{command}\n{out}\n{err}"
         return self.back(out)
 
@@ -163,11 +164,11 @@ def test_the_twin_drives_over_tcp_and_inside_the_world_to_the_same_digest(depot:
             if waiting == 2:
                 break
         for port in depot.ports.values():  # kernels may have to be compiled first
-            PlayerClient("127.0.0.1", int(port), timeout=100.0, environ={}).close()
+            PlayerClient("127.0.0.1", int(port), timeout=PATIENCE, environ={}).close()
         clients = [depot.start(command) for command in commands["sh client"]]
-        said = [client.communicate(timeout=100) for client in clients]
+        said = [client.communicate(timeout=PATIENCE) for client in clients]
         assert [client.returncode for client in clients] == [0, 0], said
-        out, err = server.communicate(timeout=100)
+        out, err = server.communicate(timeout=PATIENCE)
     finally:
         server.kill()
         server.wait()

@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from player import PlayerClient
+from tests.patience import PATIENCE
 from tests.processes import environment, troupe_command
 from troupe.stagefile import StageError, convert
 from troupe.stagefile.drivers import read_table
@@ -186,11 +187,13 @@ def devices_of_a_run(world: Path, ports: int) -> list[set[str]]:
             said += line
             served = re.search(r"served at 127\.0\.0\.1:(\d+)", line)
             if served:
-                with PlayerClient("127.0.0.1", int(served[1]), timeout=60.0, environ={}) as client:
+                with PlayerClient(
+                    "127.0.0.1", int(served[1]), timeout=PATIENCE, environ={}
+                ) as client:
                     lists.append({str(addr) for addr in client.devices()})
             if len(lists) == ports:
                 return lists
         raise AssertionError(f"the run ended with {len(lists)} ports: {said}")
     finally:
         run.terminate()
-        run.communicate(timeout=30)
+        run.communicate(timeout=PATIENCE)
