@@ -16,8 +16,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 import troupe  # noqa: E402
-from controllers.dispersal.grid import Outcome, simulate  # noqa: E402
-from controllers.dispersal.regions import Region, load  # noqa: E402
+from gridworld.grid import Outcome, simulate  # noqa: E402
+from gridworld.regions import Region, load  # noqa: E402
 from sim.result import Result  # noqa: E402
 from sim.worldfile import load as load_world  # noqa: E402
 

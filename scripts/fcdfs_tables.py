@@ -21,12 +21,12 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
-from controllers.dispersal import studies  # noqa: E402
-from controllers.dispersal.draw import Painter, write_picture  # noqa: E402
-from controllers.dispersal.generators import comb, ring  # noqa: E402
-from controllers.dispersal.grid import GridRun, simulate  # noqa: E402
-from controllers.dispersal.median import best_door, sums_of_distances  # noqa: E402
-from controllers.dispersal.regions import Region, rectangle  # noqa: E402
+from gridworld import studies  # noqa: E402
+from gridworld.draw import Painter, write_picture  # noqa: E402
+from gridworld.generators import comb, ring  # noqa: E402
+from gridworld.grid import GridRun, simulate  # noqa: E402
+from gridworld.median import best_door, sums_of_distances  # noqa: E402
+from gridworld.regions import Region, rectangle  # noqa: E402
 
 FAILURES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5)
 

@@ -9,10 +9,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from controllers.dispersal.grid import simulate  # noqa: E402
-from controllers.dispersal.median import best_door  # noqa: E402
-from controllers.dispersal.regions import rectangle  # noqa: E402
 from controllers.dispersal.rules import RULES  # noqa: E402
+from gridworld.grid import simulate  # noqa: E402
+from gridworld.median import best_door  # noqa: E402
+from gridworld.regions import rectangle  # noqa: E402
 from sim.engine import Settings  # noqa: E402
 from sim.run import run_world  # noqa: E402
 from sim.worldfile import load  # noqa: E402

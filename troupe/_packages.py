@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-NAMES = ("player", "sensors", "sim", "controllers")
+NAMES = ("player", "sensors", "sim", "controllers", "gridworld")
 
 
 def claim_names() -> None:

@@ -12,8 +12,8 @@ from controllers.dispersal.rules import RULES
 from troupe.usage import told
 
 if TYPE_CHECKING:
-    from controllers.dispersal.grid import GridRun, Outcome
-    from controllers.dispersal.regions import Cell, Region
+    from gridworld.grid import GridRun, Outcome
+    from gridworld.regions import Cell, Region
 
 # The rest of the package is loaded by the command itself: other commands need no compiler.
 # ruff: noqa: PLC0415
@@ -126,9 +126,9 @@ def _dispersed(
     video_file: Path | None,
 ) -> "tuple[GridRun, Outcome]":
     """The run when it is over, and what came out of it; what cannot be ends the command."""
-    from controllers.dispersal.draw import DrawError, record
-    from controllers.dispersal.grid import GridRun
-    from controllers.dispersal.regions import RegionError
+    from gridworld.draw import DrawError, record
+    from gridworld.grid import GridRun
+    from gridworld.regions import RegionError
 
     try:
         region = _region(map_file, grid, doors, force)
@@ -160,8 +160,8 @@ def _in_words(result: dict[str, Any]) -> str:
 
 
 def _region(map_file: Path | None, grid: str | None, doors: list[str], force: bool) -> "Region":
-    from controllers.dispersal.median import best_door
-    from controllers.dispersal.regions import RegionError, load, rectangle
+    from gridworld.median import best_door
+    from gridworld.regions import RegionError, load, rectangle
 
     if (map_file is None) == (grid is None):
         raise typer.BadParameter("give either a map or --grid WxH", param_hint="MAP.txt")

@@ -1,1 +1,1 @@
-"""Uniform dispersal (FCDFS and others): the rules, the grid, and a program for a robot."""
+"""Uniform dispersal (FCDFS and others): the rules, and the program that drives a robot by them."""

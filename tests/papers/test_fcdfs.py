@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from controllers.dispersal import rules
-from controllers.dispersal.generators import KINDS, comb, polyominoes, random_region, ring
-from controllers.dispersal.grid import simulate
-from controllers.dispersal.median import sums_of_distances
-from controllers.dispersal.regions import Region, rectangle
-from controllers.dispersal.topology import distances, first_hole
+from gridworld.generators import KINDS, comb, polyominoes, random_region, ring
+from gridworld.grid import simulate
+from gridworld.median import sums_of_distances
+from gridworld.regions import Region, rectangle
+from gridworld.topology import distances, first_hole
 
 OPTIMAL = ["fcdfs", "fcdfs5", "symmetric", "left_hand"]
 """The rules of which the paper says that makespan and travel are the least possible."""

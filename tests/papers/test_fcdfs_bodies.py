@@ -10,9 +10,9 @@ import psutil
 import pytest
 
 import troupe
-from controllers.dispersal.generators import random_region
-from controllers.dispersal.grid import Outcome, simulate
-from controllers.dispersal.regions import Region, load
+from gridworld.generators import random_region
+from gridworld.grid import Outcome, simulate
+from gridworld.regions import Region, load
 from sim.engine import Engine, Settings
 from sim.result import Result
 from sim.run import run_world

@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 
 import troupe
-from controllers.dispersal.grid import simulate
-from controllers.dispersal.regions import load
+from gridworld.grid import simulate
+from gridworld.regions import load
 
 WORLDS = Path(__file__).resolve().parents[2] / "worlds"
 MAP = """\

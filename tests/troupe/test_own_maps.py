@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from controllers.dispersal.regions import load as load_region
+from gridworld.regions import load as load_region
 from sim.worldfile import load
 from tests.troupe.test_check import APP
 from troupe.worlds import find_world

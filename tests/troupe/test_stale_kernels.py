@@ -11,7 +11,7 @@ from tests.processes import environment
 KERNEL = """\
 import constants
 import numba
-from controllers.dispersal.compiled import keyed
+from gridworld.compiled import keyed
 
 
 def price(x):
@@ -43,7 +43,8 @@ def test_a_kernel_is_compiled_anew_when_a_constant_of_another_file_has_changed(
 
 
 def test_the_grids_step_goes_by_the_rules_and_by_chance() -> None:
-    from controllers.dispersal import chance, compiled, rules, step  # noqa: PLC0415
+    from controllers.dispersal import chance, rules  # noqa: PLC0415
+    from gridworld import compiled, step  # noqa: PLC0415
 
     name = step.advance.py_func.__qualname__
     assert name == compiled.keyed(lambda: None, chance, compiled, rules).__qualname__.replace(

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from controllers.dispersal import chance, rules
-from controllers.dispersal.compiled import RULE_SIGNATURE, RULE_TYPE, compile_rule, draw
 from controllers.dispersal.rules import DOWN, LEFT, RIGHT, RULES, SETTLE, STAY, UP
+from gridworld.compiled import RULE_SIGNATURE, RULE_TYPE, compile_rule, draw
 
 SEEN = st.integers(0, 2**48 - 1)
 

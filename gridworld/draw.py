@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal.grid import NO_LIMIT, GridRun
+from gridworld.grid import NO_LIMIT, GridRun
 
 Image = NDArray[np.uint8]
 """(height, width, 3), red, green, blue."""

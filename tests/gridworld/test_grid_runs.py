@@ -5,10 +5,10 @@ import pytest
 from dispersal_model import walk
 
 from controllers.dispersal import rules
-from controllers.dispersal.generators import KINDS, random_region, ring
-from controllers.dispersal.grid import GridRun, simulate
-from controllers.dispersal.regions import Region, RegionError, parse, rectangle
-from controllers.dispersal.topology import FAR, distances
+from gridworld.generators import KINDS, random_region, ring
+from gridworld.grid import GridRun, simulate
+from gridworld.regions import Region, RegionError, parse, rectangle
+from gridworld.topology import FAR, distances
 
 SILENT = ["fcdfs", "fcdfs5", "symmetric", "left_hand", "light"]
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal.regions import Cell, Region
+from gridworld.regions import Cell, Region
 
 # The eight neighbours clockwise from up, as (row, column): sides at even places.
 _AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))

@@ -2,8 +2,8 @@
 
 import pytest
 
-from controllers.dispersal.grid import GridRun
-from controllers.dispersal.regions import rectangle
+from gridworld.grid import GridRun
+from gridworld.regions import rectangle
 
 
 @pytest.mark.parametrize("side", [30, 100, 316, 1000])

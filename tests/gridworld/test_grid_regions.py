@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from controllers.dispersal import generators
-from controllers.dispersal.median import best_door, sums_of_distances
-from controllers.dispersal.regions import Region, RegionError, load, parse, rectangle
-from controllers.dispersal.topology import FAR, distances, first_hole, first_unreached
+from gridworld import generators
+from gridworld.median import best_door, sums_of_distances
+from gridworld.regions import Region, RegionError, load, parse, rectangle
+from gridworld.topology import FAR, distances, first_hole, first_unreached
 
 SHAPES = st.tuples(st.integers(1, 9), st.integers(1, 9))
 CELLS = SHAPES.flatmap(lambda shape: arrays(np.bool_, shape))

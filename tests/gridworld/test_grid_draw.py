@@ -5,10 +5,10 @@ import cv2
 import numpy as np
 import pytest
 
-from controllers.dispersal import draw
-from controllers.dispersal.draw import Painter, record
-from controllers.dispersal.grid import GridRun
-from controllers.dispersal.regions import parse, rectangle
+from gridworld import draw
+from gridworld.draw import Painter, record
+from gridworld.grid import GridRun
+from gridworld.regions import parse, rectangle
 
 
 def colors(image, column, row, pixels):

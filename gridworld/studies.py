@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from controllers.dispersal.generators import KINDS, polyominoes, random_region
-from controllers.dispersal.grid import Outcome, simulate
-from controllers.dispersal.regions import Region, load, rectangle
-from controllers.dispersal.topology import first_hole
+from gridworld.generators import KINDS, polyominoes, random_region
+from gridworld.grid import Outcome, simulate
+from gridworld.regions import Region, load, rectangle
+from gridworld.topology import first_hole
 
 MAPS = Path(__file__).parent / "maps"
 """Regions that come with the package."""

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal import chance, step
-from controllers.dispersal.compiled import Rule, compile_rule
-from controllers.dispersal.regions import Cell, Region, RegionError
+from controllers.dispersal import chance
 from controllers.dispersal.rules import RULES, SENSES, TALK
-from controllers.dispersal.topology import FAR, distances, framed, offsets_around
+from gridworld import step
+from gridworld.compiled import Rule, compile_rule
+from gridworld.regions import Cell, Region, RegionError
+from gridworld.topology import FAR, distances, framed, offsets_around
 
 OUTCOMES = {
     step.RUNNING: "step_limit",

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from controllers.dispersal import studies
-from controllers.dispersal.grid import simulate
+from gridworld import studies
+from gridworld.grid import simulate
 
 
 @pytest.mark.parametrize("name", studies.TABLE_1)

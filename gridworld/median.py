@@ -6,8 +6,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal.regions import Cell, Region, RegionError
-from controllers.dispersal.topology import distances, first_hole
+from gridworld.regions import Cell, Region, RegionError
+from gridworld.topology import distances, first_hole
 
 _MOST_CELLS_WITH_HOLES = 20_000
 

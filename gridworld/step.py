@@ -13,8 +13,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal import chance, compiled, rules
-from controllers.dispersal.compiled import RULE_TYPE, draw, keyed
+from controllers.dispersal import chance, rules
+from gridworld import compiled
+from gridworld.compiled import RULE_TYPE, draw, keyed
 
 FREE = 0
 STANDING = 1

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal.topology import first_hole, first_unreached
+from gridworld.topology import first_hole, first_unreached
 
 Cell = tuple[int, int]
 """(column, row), from the top left, from 0."""

@@ -1,0 +1,1 @@
+"""The papers' grid model: regions, generators, the synchronous simulator, studies and pictures."""
