@@ -7,14 +7,14 @@ from typing import Annotated
 import typer
 
 from troupe import __version__
-from troupe.check import check
-from troupe.devices_command import devices
-from troupe.disperse import disperse
-from troupe.import_command import import_
-from troupe.print_command import print_
-from troupe.run_command import run
-from troupe.schema import schema
-from troupe.sensors_command import sensors
+from troupe.commands.check import check
+from troupe.commands.devices import devices
+from troupe.commands.disperse import disperse
+from troupe.commands.import_ import import_
+from troupe.commands.print_ import print_
+from troupe.commands.run import run
+from troupe.commands.schema import schema
+from troupe.commands.sensors import sensors
 
 app = typer.Typer(
     help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",

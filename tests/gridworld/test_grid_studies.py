@@ -46,7 +46,7 @@ def test_shares_tell_covered_runs_from_others():
 
 
 def test_the_script_writes_its_page(tmp_path):
-    script = Path(__file__).parents[3] / "scripts" / "fcdfs_tables.py"
+    script = Path(__file__).parents[2] / "scripts" / "fcdfs_tables.py"
     options = ["--runs", "2", "--regions", "5", "--cells", "3", "--no-large", "--out", tmp_path]
     subprocess.run([sys.executable, script, *map(str, options)], check=True, capture_output=True)
     page = (tmp_path / "fcdfs.md").read_text()

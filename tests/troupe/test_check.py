@@ -14,9 +14,9 @@ from sensors.registry import SENSORS
 from sim.worldfile import WorldError
 from sim.worldfile.json_schema import json_schema
 from sim.worldfile.models import Sprayer
-from troupe.check import check
-from troupe.schema import schema
-from troupe.sensors_command import sensors
+from troupe.commands.check import check
+from troupe.commands.schema import schema
+from troupe.commands.sensors import sensors
 from troupe.worlds import find_world, world_names, worlds_folder
 
 APP = typer.Typer()

@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 
 from player import DeviceAddr, Interface
 from tests.troupe.stub_server import rude_server, stub_server
-from troupe.devices_command import devices, parse_server
+from troupe.commands.devices import devices, parse_server
 
 app = typer.Typer()
 app.command()(devices)

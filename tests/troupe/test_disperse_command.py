@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from troupe.disperse import disperse
+from troupe.commands.disperse import disperse
 
 app = typer.Typer()
 app.command("disperse")(disperse)
@@ -156,5 +156,5 @@ def test_missed_steps_depend_on_the_seed_alone():
 
 
 def test_other_commands_need_not_wait_for_the_compiler():
-    code = "import sys, troupe.disperse; sys.exit('numba' in sys.modules or 'cv2' in sys.modules)"
+    code = "import sys, troupe.commands.disperse; sys.exit('numba' in sys.modules or 'cv2' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -14,7 +14,7 @@ from typer.testing import CliRunner, Result
 from player import DeviceAddr, Interface, MessageType, messages
 from player.xdr import Array, Octets, Record
 from tests.troupe.stub_server import rude_server, stub_server
-from troupe.print_command import print_
+from troupe.commands.print_ import print_
 
 app = typer.Typer()
 app.command()(print_)

@@ -13,7 +13,7 @@ import troupe as package
 from sim.result import RobotRecord
 from tests.patience import PATIENCE
 from tests.processes import environment, troupe_command
-from troupe.run_command import run
+from troupe.commands.run import run
 from troupe.summary import robot_line
 
 

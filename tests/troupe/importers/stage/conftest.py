@@ -11,8 +11,8 @@ import pytest
 import yaml
 
 from sim.worldfile import LoadedWorld, load
-from troupe.import_command import write
-from troupe.stagefile import Note, convert
+from troupe.commands.import_ import write
+from troupe.importers.stage import Note, convert
 
 DATA = Path(__file__).parent / "data"
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from sensors.colors import format_color, parse_color
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.syntax import Entity, Property
-from troupe.stagefile.tokens import StageError
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.syntax import Entity, Property
+from troupe.importers.stage.tokens import StageError
 
 LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 ANGLES = {"degrees": 1.0, "radians": 180.0 / math.pi}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.things import Thing
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.things import Thing
 
 LONGEST = 60
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from troupe.stagefile.geometry import Polygon, hull
-from troupe.stagefile.tokens import Place, StageError
-from troupe.stagefile.values import Pose
+from troupe.importers.stage.geometry import Polygon, hull
+from troupe.importers.stage.tokens import Place, StageError
+from troupe.importers.stage.values import Pose
 
 SOLID = 127
 """A pixel whose first channel is at most this is solid, in Stage."""

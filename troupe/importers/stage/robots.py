@@ -7,16 +7,16 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from troupe.stagefile import values
-from troupe.stagefile.bitmap import outline, read_plan
-from troupe.stagefile.footprint import footprint
-from troupe.stagefile.geometry import Polygon, area
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.sensing import SENSORS, Sensor, sensors_of
-from troupe.stagefile.syntax import Entity
-from troupe.stagefile.things import Thing
-from troupe.stagefile.tokens import Place, StageError
-from troupe.stagefile.values import Units
+from troupe.importers.stage import values
+from troupe.importers.stage.bitmap import outline, read_plan
+from troupe.importers.stage.footprint import footprint
+from troupe.importers.stage.geometry import Polygon, area
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.sensing import SENSORS, Sensor, sensors_of
+from troupe.importers.stage.syntax import Entity
+from troupe.importers.stage.things import Thing
+from troupe.importers.stage.tokens import Place, StageError
+from troupe.importers.stage.values import Units
 
 DRIVES = {"diff": "differential", "omni": "omnidirectional", "car": "car"}
 CAR_STEERING = 45.0

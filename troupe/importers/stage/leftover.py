@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.syntax import Entity, Property
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.syntax import Entity, Property
 
 WINDOW = "concerns Stage's window"
 UNNEEDED = {

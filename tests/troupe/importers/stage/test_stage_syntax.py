@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from troupe.stagefile.syntax import Entity, read_file
-from troupe.stagefile.tokens import StageError, scan
+from troupe.importers.stage.syntax import Entity, read_file
+from troupe.importers.stage.tokens import StageError, scan
 
 TYPES = {"model", "position", "ranger", "sensor", "block"}
 

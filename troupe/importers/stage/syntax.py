@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from sim.worldfile.mistakes import listed, suggestion
-from troupe.stagefile.tokens import Place, StageError, Token, read_tokens
+from troupe.importers.stage.tokens import Place, StageError, Token, read_tokens
 
 DEEPEST = 60
 """Entities within entities, and macros upon macros."""

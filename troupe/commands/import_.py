@@ -13,7 +13,7 @@ import typer
 from troupe.usage import told
 
 if TYPE_CHECKING:
-    from troupe.stagefile import Converted, Note
+    from troupe.importers.stage import Converted, Note
 
 
 def import_(
@@ -44,7 +44,7 @@ def import_(
     written, but something in it must be mended by hand; 2: the input has a mistake, or a file
     is in the way.
     """
-    from troupe.stagefile import StageError, convert  # noqa: PLC0415 - other commands stay quick
+    from troupe.importers.stage import StageError, convert  # noqa: PLC0415 - other commands stay quick
 
     target = output if output is not None else Path(f"{world.stem}.yaml")
     try:
@@ -62,7 +62,7 @@ def import_(
 
 def write(converted: Converted, target: Path, force: bool) -> None:
     """Write the world file and the images beside it. Raises FileExistsError unless `force`."""
-    from troupe.stagefile.bitmap import write_png  # noqa: PLC0415  (loads OpenCV)
+    from troupe.importers.stage.bitmap import write_png  # noqa: PLC0415  (loads OpenCV)
 
     for path in (target, *converted.images):
         if path.exists() and not force:
@@ -98,7 +98,7 @@ stands for all."""
 
 def report(notes: Sequence[Note]) -> list[str]:
     """The notes as lines under headings."""
-    from troupe.stagefile.notes import HEADINGS  # noqa: PLC0415
+    from troupe.importers.stage.notes import HEADINGS  # noqa: PLC0415
 
     lines: list[str] = []
     for kind, group in itertools.groupby(notes, key=lambda note: note.kind):

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 from player.codes import DEFAULT_PORT, Interface
 from sim.worldfile.mistakes import suggestion
-from troupe.stagefile import values
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.syntax import Entity, Property, read_file
-from troupe.stagefile.things import Thing
-from troupe.stagefile.tokens import Place, StageError
+from troupe.importers.stage import values
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.syntax import Entity, Property, read_file
+from troupe.importers.stage.things import Thing
+from troupe.importers.stage.tokens import Place, StageError
 
 TYPES = frozenset({"driver", "interface"})
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from troupe.import_command import report
-from troupe.stagefile import StageError
+from troupe.commands.import_ import report
+from troupe.importers.stage import StageError
 
 FLOOR = "model ( size [20 10 1] boundary 1 )\n"
 

@@ -9,7 +9,7 @@ import typer
 from typer.testing import CliRunner, Result
 
 from sim.worldfile import load
-from troupe.import_command import import_
+from troupe.commands.import_ import import_
 
 DATA = Path(__file__).parent / "data"
 

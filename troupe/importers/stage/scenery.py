@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from troupe.stagefile import values
-from troupe.stagefile.bitmap import Plan, read_plan
-from troupe.stagefile.footprint import Footprint, footprint
-from troupe.stagefile.geometry import Polygon, area, bounds, cross
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.things import Thing
-from troupe.stagefile.tokens import Place
-from troupe.stagefile.values import Pose
+from troupe.importers.stage import values
+from troupe.importers.stage.bitmap import Plan, read_plan
+from troupe.importers.stage.footprint import Footprint, footprint
+from troupe.importers.stage.geometry import Polygon, area, bounds, cross
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.things import Thing
+from troupe.importers.stage.tokens import Place
+from troupe.importers.stage.values import Pose
 
 WALL = 0.01
 """Metres: how thick the walls are that Stage puts around a model with `boundary 1`."""

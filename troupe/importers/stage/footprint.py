@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from troupe.stagefile import values
-from troupe.stagefile.geometry import Polygon, bounds, cleaned, convex_pieces, hull
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.syntax import Entity
-from troupe.stagefile.things import Thing
-from troupe.stagefile.tokens import StageError
-from troupe.stagefile.values import Pose
+from troupe.importers.stage import values
+from troupe.importers.stage.geometry import Polygon, bounds, cleaned, convex_pieces, hull
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.syntax import Entity
+from troupe.importers.stage.things import Thing
+from troupe.importers.stage.tokens import StageError
+from troupe.importers.stage.values import Pose
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,14 @@ import yaml
 from player import PlayerClient
 from tests.patience import PATIENCE
 from tests.processes import environment, troupe_command
-from troupe.stagefile import StageError, convert
-from troupe.stagefile.drivers import read_table
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.ports import ports_of, served_at
-from troupe.stagefile.robots import robot_of
-from troupe.stagefile.syntax import read_file
-from troupe.stagefile.things import TYPES, things_in
-from troupe.stagefile.values import Units
+from troupe.importers.stage import StageError, convert
+from troupe.importers.stage.drivers import read_table
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.ports import ports_of, served_at
+from troupe.importers.stage.robots import robot_of
+from troupe.importers.stage.syntax import read_file
+from troupe.importers.stage.things import TYPES, things_in
+from troupe.importers.stage.values import Units
 
 DATA = Path(__file__).parent / "data"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from troupe.stagefile.tokens import Place
+from troupe.importers.stage.tokens import Place
 
 Kind = Literal["lost", "differs", "unneeded"]
 

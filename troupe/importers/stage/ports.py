@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from player.codes import DEFAULT_PORT
-from troupe.stagefile.drivers import Address, Served, Table
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.robots import Robot
+from troupe.importers.stage.drivers import Address, Served, Table
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.robots import Robot
 
 Layout = Literal["per_robot", "shared"]
 

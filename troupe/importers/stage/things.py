@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from troupe.stagefile import values
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.syntax import Entity
-from troupe.stagefile.values import Pose, Units
+from troupe.importers.stage import values
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.syntax import Entity
+from troupe.importers.stage.values import Pose, Units
 
 TYPES = frozenset(
     {

@@ -9,20 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from sensors.colors import parse_color
-from troupe.stagefile import values
-from troupe.stagefile.bitmap import Bools, draw
-from troupe.stagefile.drivers import Table, read_table
-from troupe.stagefile.leftover import note_leftovers
-from troupe.stagefile.names import robot_names
-from troupe.stagefile.notes import Note, Notes
-from troupe.stagefile.ports import check_addresses, in_order_of_ports, ports_of
-from troupe.stagefile.robots import Robot, landmark_of, robot_of
-from troupe.stagefile.scenery import Scenery, Standing, scenery_of, standing
-from troupe.stagefile.sensing import SENSORS
-from troupe.stagefile.syntax import Entity, read_file
-from troupe.stagefile.text import Block, Line, Node, dump
-from troupe.stagefile.things import TYPES, Thing, things_in
-from troupe.stagefile.tokens import Place, StageError
+from troupe.importers.stage import values
+from troupe.importers.stage.bitmap import Bools, draw
+from troupe.importers.stage.drivers import Table, read_table
+from troupe.importers.stage.leftover import note_leftovers
+from troupe.importers.stage.names import robot_names
+from troupe.importers.stage.notes import Note, Notes
+from troupe.importers.stage.ports import check_addresses, in_order_of_ports, ports_of
+from troupe.importers.stage.robots import Robot, landmark_of, robot_of
+from troupe.importers.stage.scenery import Scenery, Standing, scenery_of, standing
+from troupe.importers.stage.sensing import SENSORS
+from troupe.importers.stage.syntax import Entity, read_file
+from troupe.importers.stage.text import Block, Line, Node, dump
+from troupe.importers.stage.things import TYPES, Thing, things_in
+from troupe.importers.stage.tokens import Place, StageError
 
 CLIENT = "client"
 """The controller of robots that a driver table serves."""

@@ -14,7 +14,7 @@ import typer
 
 from player import DeviceAddr, MessageType, PlayerClient, PlayerError, Proxy, XdrError, messages
 from player.codes import Interface
-from troupe.devices_command import ServerArgument, TimeoutOption, connect
+from troupe.commands.devices import ServerArgument, TimeoutOption, connect
 
 Reading = tuple[float, int, bytes]
 """Simulated time in seconds, subtype and payload of one message."""

@@ -7,12 +7,12 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from troupe.stagefile import values
-from troupe.stagefile.notes import Notes
-from troupe.stagefile.syntax import Entity
-from troupe.stagefile.things import Thing
-from troupe.stagefile.tokens import Place, StageError
-from troupe.stagefile.values import Pose, Units
+from troupe.importers.stage import values
+from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.syntax import Entity
+from troupe.importers.stage.things import Thing
+from troupe.importers.stage.tokens import Place, StageError
+from troupe.importers.stage.values import Pose, Units
 
 SENSORS = ("ranger", "laser", "sonar", "blobfinder", "fiducial", "fiducialfinder", "bumper")
 """Stage's types that become sensors of ours."""

@@ -1,0 +1,1 @@
+"""The commands of `troupe`, one file each, with the name of the command."""

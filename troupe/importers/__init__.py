@@ -1,0 +1,1 @@
+"""Readers of other simulators' files, which become world files of Troupe."""
