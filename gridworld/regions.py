@@ -123,6 +123,9 @@ def parse(text: str, source: str = "map") -> Region:
 
     Every line must be equally long; empty lines at the end do not count. The map may or may not
     be framed by walls. The doors are the `S` cells in reading order.
+
+    >>> parse("#..\\n#S.").doors
+    ((1, 1),)
     """
     lines = text.split("\n")
     lines = [line.removesuffix("\r") for line in lines]
@@ -166,7 +169,11 @@ def load(path: str | Path) -> Region:
 
 
 def rectangle(columns: int, rows: int, doors: Sequence[Cell] = ()) -> Region:
-    """A region of `columns` x `rows` free cells."""
+    """A region of `columns` x `rows` free cells.
+
+    >>> rectangle(4, 3, doors=[(0, 2)]).doors
+    ((0, 2),)
+    """
     if columns < 1 or rows < 1:
         raise RegionError(f"a grid of {columns}x{rows} has no cells")
     if columns * rows > _MOST_CELLS:

@@ -117,7 +117,11 @@ _NAMES = {int(interface): interface.name.lower() for interface in Interface}
 
 
 class DeviceAddr(NamedTuple):
-    """A device of one server (or port): interface code and index. `str()` gives `laser:0`."""
+    """A device of one server (or port): interface code and index.
+
+    >>> str(DeviceAddr(Interface.LASER, 1))
+    'laser:1'
+    """
 
     interf: int
     index: int = 0  # type: ignore[assignment]  # Player's name for it, not tuple's method
@@ -130,6 +134,9 @@ class DeviceAddr(NamedTuple):
         """The address that `text` names: `laser:1`, or `laser` for index 0.
 
         Raises ValueError where there is no such interface or the index is no number in 0..65535.
+
+        >>> DeviceAddr.parse("laser:1") == DeviceAddr(Interface.LASER, 1)
+        True
         """
         name, colon, number = text.partition(":")
         try:

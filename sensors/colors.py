@@ -182,5 +182,9 @@ def parse_color(text: str) -> int:
 
 
 def format_color(color: int) -> str:
-    """The text `#rrggbb` of a colour 0xRRGGBB."""
+    """The text `#rrggbb` of a colour 0xRRGGBB.
+
+    >>> format_color(parse_color("Light Steel Blue"))
+    '#b0c4de'
+    """
     return f"#{color:06x}"

@@ -189,6 +189,9 @@ def settings_for(spec: Mapping[str, Any], base: Path | None = None) -> SensorSet
 
     Raises:
         pydantic.ValidationError: with the key's name as the error's place.
+
+    >>> settings_for({"type": "laser", "range": 5}).range
+    5.0
     """
     if "type" not in spec:
         raise _invalid(spec, "missing", f"a sensor needs a type: {', '.join(SENSORS)}")
