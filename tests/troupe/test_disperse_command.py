@@ -156,5 +156,8 @@ def test_missed_steps_depend_on_the_seed_alone():
 
 
 def test_other_commands_need_not_wait_for_the_compiler():
-    code = "import sys, troupe.commands.disperse; sys.exit('numba' in sys.modules or 'cv2' in sys.modules)"
+    code = (
+        "import sys, troupe.commands.disperse\n"
+        "sys.exit('numba' in sys.modules or 'cv2' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
