@@ -44,6 +44,14 @@ def _data() -> str:
     return "data"
 
 
+def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
+    """The payload of what a client says: no robot can do anything with NaN, or with infinity."""
+    spec = messages.known(interf, type_, subtype)
+    payload = spec.encode(message)
+    spec.check_finite(message)
+    return payload
+
+
 class PlayerClient:
     """One connection to a Player server. Proxies of devices are made on it.
 
@@ -253,8 +261,11 @@ class PlayerClient:
         return str(reply["driver"])
 
     def command(self, addr: DeviceAddr, subtype: int, message: Values) -> None:
-        """Queues a command for the next `read`, request or `flush`. Raises XdrError."""
-        payload = messages.encode(addr.interf, _CMD, subtype, **message)
+        """Queues a command for the next `read`, request or `flush`.
+
+        Raises XdrError, a ValueError, where a value does not fit or is no finite number.
+        """
+        payload = _encode(addr.interf, _CMD, subtype, message)
         self.queue(pack_message(*addr, _CMD, subtype, payload))
 
     def queue(self, data: bytes) -> None:
@@ -273,11 +284,12 @@ class PlayerClient:
         """Sends a request, waits for its reply and returns the reply's fields.
 
         Data that comes in between is kept for the next `read`. Raises PlayerRefused at a NACK,
-        PlayerTimeout, PlayerDisconnected, and XdrError if `message` does not fit.
+        PlayerTimeout, PlayerDisconnected, and XdrError, a ValueError, if `message` does not fit
+        or holds what is no finite number.
         """
         if self._closed or self.ending:
             raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
-        payload = messages.encode(addr.interf, _REQ, subtype, **(message or {}))
+        payload = _encode(addr.interf, _REQ, subtype, message or {})
         self._out.append(pack_message(*addr, _REQ, subtype, payload))
         self._send_queued()
 

@@ -227,3 +227,68 @@ def test_a_command_that_does_not_fit_is_refused_before_it_is_sent():
             proxy.set_speed("fast")
 
     talk_with(Position2dProxy, lambda talk: None, act)
+
+
+NUMERIC = [
+    # every call that takes numbers, with one of them left open
+    (Position2dProxy, lambda p, x: p.set_speed(x)),
+    (Position2dProxy, lambda p, x: p.set_speed(0.1, x)),
+    (Position2dProxy, lambda p, x: p.set_speed(0.1, vy=x)),
+    (Position2dProxy, lambda p, x: p.go_to(x, 0.0)),
+    (Position2dProxy, lambda p, x: p.go_to(0.0, 0.0, x)),
+    (Position2dProxy, lambda p, x: p.set_car(x, 0.1)),
+    (Position2dProxy, lambda p, x: p.set_car(0.1, x)),
+    (Position2dProxy, lambda p, x: p.set_velocity_heading(x, 0.1)),
+    (Position2dProxy, lambda p, x: p.set_velocity_heading(0.1, x)),
+    (Position2dProxy, lambda p, x: p.set_odometry(0.0, x, 0.0)),
+    (Position2dProxy, lambda p, x: p.set_velocity_mode(x)),
+    (Position2dProxy, lambda p, x: p.set_position_mode(x)),
+    (LaserProxy, lambda p, x: p.configure(LASER_CONFIG._replace(max_range=x))),
+    (RangerProxy, lambda p, x: p.configure(RANGER_CONFIG._replace(min_angle=x))),
+    (BlobfinderProxy, lambda p, x: p.set_tracking_color((0, x), (0, 1), (0, 1))),
+    (FiducialProxy, lambda p, x: p.set_id(x)),
+    (DioProxy, lambda p, x: p.set_output(x)),
+    (DioProxy, lambda p, x: p.set_output(1, x)),
+    (SimulationProxy, lambda p, x: p.set_pose2d("r2", (0.0, 0.0, x))),
+    (SimulationProxy, lambda p, x: p.set_pose3d("r2", (0.0, 0.0, 0.0, 0.0, 0.0, x))),
+    (SimulationProxy, lambda p, x: p.set_property("r2", "color", b"red", x)),
+    (SimulationProxy, lambda p, x: p.report("speed", [x])),
+]
+
+
+@pytest.mark.parametrize(
+    "number", [math.nan, math.inf, -math.inf, np.float64("nan"), np.float32("inf"), 10**400]
+)
+@pytest.mark.parametrize(("proxy_class", "act"), NUMERIC)
+def test_what_is_no_finite_number_is_refused_at_the_call(proxy_class, act, number):
+    def try_it(proxy):
+        if isinstance(number, int) and proxy_class is SimulationProxy:
+            return  # JSON carries whole numbers of any length
+        with pytest.raises(ValueError):  # noqa: PT011 - each has words of its own
+            act(proxy, number)
+
+    def script(talk):
+        """Nothing may have been sent: whoever hears anything here has failed."""
+        with pytest.raises(EOFError):
+            talk.hear()
+
+    talk_with(proxy_class, script, try_it)
+
+
+@pytest.mark.parametrize("text", ["fast", None, 1j, [1.0, 2.0]])
+def test_what_is_no_number_at_all_is_refused_at_the_call(text):
+    def act(proxy):
+        for call in (proxy.set_speed, lambda x: proxy.set_car(x, 0), lambda x: proxy.go_to(0, x)):
+            with pytest.raises(ValueError, match=r"set_speed|velocity|pos"):
+                call(text)
+
+    talk_with(Position2dProxy, lambda talk: None, act)
+
+
+def test_large_finite_numbers_go_out_as_they_are():
+    def script(talk):
+        heard = talk.expect(Interface.POSITION2D, CMD, 1)
+        sent = messages.decode(4, CMD, 1, heard.payload)
+        assert sent["vel"] == (1e308, -1e308, 1e308)
+
+    talk_with(Position2dProxy, script, lambda p: p.set_speed(1e308, 1e308, vy=-1e308))
