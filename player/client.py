@@ -27,6 +27,7 @@ from player.environment import Place, find_place
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
 from player.header import Message, pack_message
 from player.link import Deadline, Link
+from player.printable import printable
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ class PlayerClient:
         self._mode = DataMode.PUSH  # a server's first state
         self._link = Link(place, self.timeout)
         self.banner = self._link.banner
-        """What the server said first, such as `Player v.3.1.1-dev`."""
+        """What the server said first, such as `Player v.3.1.1-dev`; control characters escaped."""
         try:
             self.set_data_mode(mode)
             if replace:
@@ -176,11 +177,14 @@ class PlayerClient:
         return [DeviceAddr(int(row[2]), int(row[3])) for row in reply["devices"]]
 
     def driver(self, addr: DeviceAddr) -> str:
-        """The name of the driver behind a device; PlayerRefused if there is no such device."""
+        """The name of the driver behind a device; PlayerRefused if there is no such device.
+
+        Control characters in it are escaped, as in all names that a server gives.
+        """
         reply = self.request(
             _PLAYER, PlayerRequest.DRIVERINFO, {"addr": (0, 0, *addr), "driver": ""}
         )
-        return str(reply["driver"])
+        return printable(reply["driver"])
 
     def set_data_mode(self, mode: Literal["pull", "push"]) -> None:
         """Chooses between asking for data ("pull") and being sent it as it comes ("push")."""
@@ -259,7 +263,7 @@ class PlayerClient:
         reply = self.request(_PLAYER, PlayerRequest.DEV, message)
         if reply["access"] != access:
             raise PlayerRefused(f"{self.address} could not {access.name.lower()} {addr}")
-        return str(reply["driver"])
+        return printable(reply["driver"])
 
     def command(self, addr: DeviceAddr, subtype: int, message: Values) -> None:
         """Queues a command for the next `read`, request or `flush`.

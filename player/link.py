@@ -11,6 +11,7 @@ from player.codes import BANNER_SIZE
 from player.environment import Place, release
 from player.errors import PlayerDisconnected, PlayerTimeout, ProtocolError
 from player.header import Message, MessageReader
+from player.printable import printable
 from player.transport import hurry, quick_acknowledge
 
 RECEIVE_SIZE = 1 << 18
@@ -88,7 +89,7 @@ class Link:
             banner += self._receive(deadline, BANNER_SIZE - len(banner))
             if not b"Player".startswith(banner[:6]):
                 raise ProtocolError(f"{self.address} is no Player server: it said {banner!r}")
-        return banner.split(b"\0")[0].decode("ascii", "replace")
+        return printable(banner.split(b"\0")[0].decode("ascii", "backslashreplace"))
 
     def next(self, deadline: Deadline) -> Message:
         """The next message; PlayerTimeout, PlayerDisconnected, or ProtocolError if it is none."""
