@@ -8,7 +8,7 @@ from math import isfinite
 from player.codes import Interface, MessageType
 from player.errors import XdrError
 from player.header import HEADER
-from player.proxies.base import Geometry, Proxy, geometry
+from player.proxies.base import Geometry, Proxy, geometry, reading
 from player.xdr import Pose2d
 
 _STATE = struct.Struct(">6dI")
@@ -22,18 +22,18 @@ class Position2dProxy(Proxy):
 
     interface = Interface.POSITION2D
 
-    x = 0.0
+    x: float = reading()
     """Odometry, metres."""
-    y = 0.0
-    yaw = 0.0
+    y: float = reading()
+    yaw: float = reading()
     """Odometry, radians, counter-clockwise."""
-    vx = 0.0
+    vx: float = reading()
     """Speed forward, m/s."""
-    vy = 0.0
+    vy: float = reading()
     """Speed to the left, m/s."""
-    vyaw = 0.0
+    vyaw: float = reading()
     """Turning rate, rad/s, counter-clockwise."""
-    stall = False
+    stall: bool = reading()
     """True while something blocks the drive."""
 
     @property

@@ -9,11 +9,13 @@ from proxy_talk import GEOMETRY, LASER_CONFIG, POSE, RANGER_CONFIG, talk_with
 from wire_talk import ACK, CMD, REQ
 
 from player import (
+    AioProxy,
     BlobfinderProxy,
     BumperProxy,
     BumperSegment,
     DioProxy,
     FiducialProxy,
+    Graphics2dProxy,
     LaserProxy,
     Position2dProxy,
     RangerProxy,
@@ -35,6 +37,8 @@ COMMANDS = [
     (Position2dProxy, lambda p: p.set_car(1, 2), 3, {"velocity": 1, "angle": 2}),
     (Position2dProxy, lambda p: p.set_velocity_heading(1, 2), 4, {"velocity": 1, "heading": 2}),
     (DioProxy, lambda p: p.set_output(5, 3), 1, {"count": 3, "bits": 5}),
+    (AioProxy, lambda p: p.set_output(2, 0.5), 1, {"id": 2, "voltage": 0.5}),
+    (Graphics2dProxy, lambda p: p.clear(), 1, {}),
     (SpeechProxy, lambda p: p.say("at goal ✓"), 1, {"text": "at goal ✓"}),
     (SimulationProxy, lambda p: p.pause(), 1, {}),
     (SimulationProxy, lambda p: p.reset(), 2, {}),
@@ -49,6 +53,41 @@ def test_commands(proxy_class, act, subtype, values):
         assert messages.decode(heard.interf, CMD, subtype, heard.payload) == values
 
     talk_with(proxy_class, script, act)
+
+
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+RED, BLUE = (255, 255, 0, 0), (255, 0, 0, 255)  # alpha, red, green, blue
+DRAWINGS = [
+    (lambda p: p.draw_points(SQUARE), 2, {"color": RED}),
+    (lambda p: p.draw_polyline(np.array(SQUARE), 0x0000FF), 3, {"color": BLUE}),
+    (lambda p: p.draw_multiline(SQUARE, np.int64(255)), 5, {"color": BLUE}),
+    (lambda p: p.draw_polygon(SQUARE), 4, {"color": RED, "fill_color": RED, "filled": 0}),
+    (
+        lambda p: p.draw_polygon(SQUARE, fill=0x0000FF),
+        4,
+        {"color": RED, "fill_color": BLUE, "filled": 1},
+    ),
+]
+
+
+@pytest.mark.parametrize(("act", "subtype", "values"), DRAWINGS)
+def test_drawings(act, subtype, values):
+    def script(talk):
+        heard = talk.expect(Interface.GRAPHICS2D, CMD, subtype)
+        sent = messages.decode(heard.interf, CMD, subtype, heard.payload)
+        assert sent.pop("points").tolist() == [list(point) for point in SQUARE]
+        assert sent == values
+
+    talk_with(Graphics2dProxy, script, act)
+
+
+@pytest.mark.parametrize("color", ["red", -1, 0x1000000, 1.5, None, (255, 0, 0)])
+def test_what_is_no_colour_is_refused_before_it_is_sent(color):
+    def act(proxy):
+        with pytest.raises(ValueError, match="0xRRGGBB"):
+            proxy.draw_points(SQUARE, color)
+
+    talk_with(Graphics2dProxy, lambda talk: None, act)
 
 
 REQUESTS = [
@@ -247,6 +286,11 @@ NUMERIC = [
     (RangerProxy, lambda p, x: p.configure(RANGER_CONFIG._replace(min_angle=x))),
     (BlobfinderProxy, lambda p, x: p.set_tracking_color((0, x), (0, 1), (0, 1))),
     (FiducialProxy, lambda p, x: p.set_id(x)),
+    (AioProxy, lambda p, x: p.set_output(0, x)),
+    (Graphics2dProxy, lambda p, x: p.draw_points([(0.0, x)])),
+    (Graphics2dProxy, lambda p, x: p.draw_polyline([(0.0, 0.0), (x, 0.0)])),
+    (Graphics2dProxy, lambda p, x: p.draw_polygon([(0.0, 0.0), (x, 0.0)], fill=0)),
+    (Graphics2dProxy, lambda p, x: p.draw_multiline([(0.0, 0.0), (x, 0.0)])),
     (DioProxy, lambda p, x: p.set_output(x)),
     (DioProxy, lambda p, x: p.set_output(1, x)),
     (SimulationProxy, lambda p, x: p.set_pose2d("r2", (0.0, 0.0, x))),
