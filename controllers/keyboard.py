@@ -146,10 +146,11 @@ def key_by_key(terminal: int) -> Iterator[None]:
 def status(base: Position2dProxy, throttle: Throttle) -> str:
     """The line that is shown: what is commanded, and where the robot says that it is."""
     aside = f"  sideways {throttle.vy:+.2f}" if throttle.vy else ""
-    stall = "  STALLED" if base.stall else ""
+    stall = "  STALLED" if base.valid and base.stall else ""
+    place = f"  at ({base.x:.2f}, {base.y:.2f}) {base.yaw:+.2f} rad{stall}" if base.valid else ""
     return (
         f"forward {throttle.vx:+.2f} m/s{aside}  turn {throttle.vyaw:+.2f} rad/s  "
-        f"step {throttle.step:.2f}  at ({base.x:.2f}, {base.y:.2f}) {base.yaw:+.2f} rad{stall}"
+        f"step {throttle.step:.2f}{place}"
     )
 
 

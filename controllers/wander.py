@@ -24,6 +24,8 @@ def main() -> None:
         random = robot.rng()
         turn = 0.0  # the turn that is going on; once begun it keeps its direction
         while robot.read():
+            if not laser.valid:
+                continue  # a server may be slow with its first scan
             if free_ahead(laser.ranges, laser.bearings, args.half_width) > args.distance:
                 turn = 0.0
                 base.set_speed(args.speed, 0.2 * random.standard_normal())

@@ -11,6 +11,7 @@ from player.codes import (
     Replace,
 )
 from player.errors import (
+    NoReading,
     PlayerDisconnected,
     PlayerError,
     PlayerRefused,
@@ -19,11 +20,14 @@ from player.errors import (
     XdrError,
 )
 from player.proxies import (
+    AioProxy,
+    Blob,
     BlobfinderProxy,
     BumperProxy,
     DioProxy,
     FiducialProxy,
     Geometry,
+    Graphics2dProxy,
     LaserConfig,
     LaserProxy,
     Position2dProxy,
@@ -35,12 +39,13 @@ from player.proxies import (
     Size,
     SpeechProxy,
 )
-from player.table import Blob, BumperSegment, Fiducial
+from player.table import BumperSegment, Fiducial
 from player.xdr import Pose2d, Pose3d
 
 __all__ = [
     "DEFAULT_PORT",
     "Access",
+    "AioProxy",
     "Blob",
     "BlobfinderProxy",
     "BumperProxy",
@@ -51,10 +56,12 @@ __all__ = [
     "Fiducial",
     "FiducialProxy",
     "Geometry",
+    "Graphics2dProxy",
     "Interface",
     "LaserConfig",
     "LaserProxy",
     "MessageType",
+    "NoReading",
     "PlayerClient",
     "PlayerDisconnected",
     "PlayerError",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 
 from player import messages
+from player.backlog import Backlog
 from player.codes import (
     ANY,
     DEFAULT_PORT,
@@ -26,6 +27,7 @@ from player.environment import Place, find_place
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
 from player.header import Message, pack_message
 from player.link import Deadline, Link
+from player.printable import printable
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -44,14 +46,22 @@ def _data() -> str:
     return "data"
 
 
+def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
+    """The payload of what a client says: no robot can do anything with NaN, or with infinity."""
+    spec = messages.known(interf, type_, subtype)
+    payload = spec.encode(message)
+    spec.check_finite(message)
+    return payload
+
+
 class PlayerClient:
     """One connection to a Player server. Proxies of devices are made on it.
 
     Where to connect: `host` and `port` if given; else what the environment says: PLAYER_FD (the
     number of an inherited socket), or PLAYER_HOST and PLAYER_PORT; else 127.0.0.1:6665.
 
-    `timeout`: wall-clock seconds to wait for an answer; None for ever. Left out it is 5 over
-    TCP, and None over an inherited socket, whose other end is alive or closed.
+    `timeout`: wall-clock seconds to wait for an answer, whatever else comes; None for ever. Left
+    out it is 5 over TCP, and None over an inherited socket, whose other end is alive or closed.
     `read_timeout`: the same for data in `read`; None, the default, waits for ever.
     `mode`: "pull" (one `read` asks for and gets one round of data) or "push".
     `replace`: in pull mode, newer data takes the place of older data that has not been asked for.
@@ -94,14 +104,14 @@ class PlayerClient:
         self._routes: dict[tuple[int, ...], list[Proxy]] = {}
         self._out: list[bytes] = []
         self._out_size = 0
-        self._stored: list[Message] = []  # data that came while a reply was waited for
+        self._backlog = Backlog()
         self._asked = False
         self._acknowledged = False
         self._closed = False
         self._mode = DataMode.PUSH  # a server's first state
         self._link = Link(place, self.timeout)
         self.banner = self._link.banner
-        """What the server said first, such as `Player v.3.1.1-dev`."""
+        """What the server said first, such as `Player v.3.1.1-dev`; control characters escaped."""
         try:
             self.set_data_mode(mode)
             if replace:
@@ -150,7 +160,7 @@ class PlayerClient:
     def flush(self) -> None:
         """Sends queued commands now, without waiting for the next `read`.
 
-        Raises PlayerDisconnected if the server has gone.
+        Raises PlayerDisconnected if the server has gone, PlayerTimeout if it takes nothing.
         """
         if not self._send_queued():
             self._link.end()
@@ -167,11 +177,14 @@ class PlayerClient:
         return [DeviceAddr(int(row[2]), int(row[3])) for row in reply["devices"]]
 
     def driver(self, addr: DeviceAddr) -> str:
-        """The name of the driver behind a device; PlayerRefused if there is no such device."""
+        """The name of the driver behind a device; PlayerRefused if there is no such device.
+
+        Control characters in it are escaped, as in all names that a server gives.
+        """
         reply = self.request(
             _PLAYER, PlayerRequest.DRIVERINFO, {"addr": (0, 0, *addr), "driver": ""}
         )
-        return str(reply["driver"])
+        return printable(reply["driver"])
 
     def set_data_mode(self, mode: Literal["pull", "push"]) -> None:
         """Chooses between asking for data ("pull") and being sent it as it comes ("push")."""
@@ -250,11 +263,14 @@ class PlayerClient:
         reply = self.request(_PLAYER, PlayerRequest.DEV, message)
         if reply["access"] != access:
             raise PlayerRefused(f"{self.address} could not {access.name.lower()} {addr}")
-        return str(reply["driver"])
+        return printable(reply["driver"])
 
     def command(self, addr: DeviceAddr, subtype: int, message: Values) -> None:
-        """Queues a command for the next `read`, request or `flush`. Raises XdrError."""
-        payload = messages.encode(addr.interf, _CMD, subtype, **message)
+        """Queues a command for the next `read`, request or `flush`.
+
+        Raises XdrError, a ValueError, where a value does not fit or is no finite number.
+        """
+        payload = _encode(addr.interf, _CMD, subtype, message)
         self.queue(pack_message(*addr, _CMD, subtype, payload))
 
     def queue(self, data: bytes) -> None:
@@ -272,12 +288,13 @@ class PlayerClient:
     def request(self, addr: DeviceAddr, subtype: int, message: Values | None = None) -> Values:
         """Sends a request, waits for its reply and returns the reply's fields.
 
-        Data that comes in between is kept for the next `read`. Raises PlayerRefused at a NACK,
-        PlayerTimeout, PlayerDisconnected, and XdrError if `message` does not fit.
+        Data that comes in between is kept for the next `read`, within bounds. Raises PlayerRefused
+        at a NACK, PlayerTimeout, PlayerDisconnected, and XdrError, a ValueError, if `message` does
+        not fit or holds what is no finite number.
         """
         if self._closed or self.ending:
             raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
-        payload = messages.encode(addr.interf, _REQ, subtype, **(message or {}))
+        payload = _encode(addr.interf, _REQ, subtype, message or {})
         self._out.append(pack_message(*addr, _REQ, subtype, payload))
         self._send_queued()
 
@@ -289,8 +306,11 @@ class PlayerClient:
         expected = (*addr, subtype)
         while True:
             got = self._link.next(deadline)
-            if got.type in (_DATA, _SYNCH):
-                self._stored.append(got)
+            if got.type == _DATA:
+                self._backlog.add(got)
+            elif got.type == _SYNCH:
+                if self._asked:
+                    self._backlog.end_round()
             elif self._is_data_ack(got):
                 self._acknowledged = True
             elif (got.interf, got.index, got.subtype) != expected:
@@ -303,18 +323,18 @@ class PlayerClient:
     # -- messages ---------------------------------------------------------------------------
 
     def _read_round(self) -> bool:
-        for position, message in enumerate(self._stored):
-            if message.type == _DATA:
-                self._dispatch(message)
-            elif self._asked:  # the end of a round that an earlier read() gave up waiting for
-                del self._stored[: position + 1]
-                self._asked = self._acknowledged = False
-                return True
-        self._stored.clear()
+        kept, ended = self._backlog.take()
+        over = self._asked and ended  # the round that an earlier read() gave up waiting for
         if not self._asked:
             self._out.append(_REQUEST_DATA)
             self._asked = True
-            self._send_queued()
+        elif over:
+            self._asked = self._acknowledged = False
+        self._send_queued()
+        for message in kept:
+            self._dispatch(message)
+        if over:
+            return True
         deadline = Deadline(self.read_timeout if self._acknowledged else self.timeout, _data)
         while True:
             message = self._link.next(deadline)
@@ -335,15 +355,13 @@ class PlayerClient:
                 self.stray += 1
 
     def _read_pushed(self) -> bool:
-        stored, self._stored = self._stored, []
+        kept, _ = self._backlog.take()
         self._send_queued()
-        found = False
+        found = bool(kept)
         deadline = Deadline(self.read_timeout, _data)
         message: Message | None
-        for message in stored:
-            if message.type == _DATA:
-                self._dispatch(message)
-                found = True
+        for message in kept:
+            self._dispatch(message)
         while True:
             message = self._link.waiting()
             if message is None:
@@ -375,7 +393,7 @@ class PlayerClient:
         data = b"".join(self._out)
         self._out.clear()
         self._out_size = 0
-        return self._link.send(data)
+        return self._link.send(data, self.timeout)
 
 
 __all__ = ["DEFAULT_PORT", "DEFAULT_TIMEOUT", "PlayerClient"]

@@ -17,6 +17,10 @@ class PlayerDisconnected(PlayerError):
     """There is no connection: it could not be made, it broke, or it has been closed."""
 
 
+class NoReading(PlayerError):
+    """A proxy was asked for what its device has not sent yet: `read` comes first."""
+
+
 class ProtocolError(PlayerError):
     """Bytes that are not Player's protocol: a bad header, a wrong size, counts that differ."""
 

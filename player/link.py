@@ -11,6 +11,7 @@ from player.codes import BANNER_SIZE
 from player.environment import Place, release
 from player.errors import PlayerDisconnected, PlayerTimeout, ProtocolError
 from player.header import Message, MessageReader
+from player.printable import printable
 from player.transport import hurry, quick_acknowledge
 
 RECEIVE_SIZE = 1 << 18
@@ -23,14 +24,17 @@ LEAST_WAIT = 1e-3
 class Deadline:
     """Until when an answer is waited for, in wall-clock time; None seconds: for ever.
 
-    `what` says, for the error, which answer it is.
+    `what` says, for the error, which answer it is. When the time is over, what has arrived by then
+    is taken once more: a process that was held up itself still finds its answer, and one that is
+    sent something else all the time does not wait for ever.
     """
 
-    __slots__ = ("limit", "until", "what")
+    __slots__ = ("limit", "over", "until", "what")
 
     def __init__(self, limit: float | None, what: Callable[[], str]) -> None:
         self.limit = limit
         self.until = None if limit is None else monotonic() + limit
+        self.over = False
         self.what = what
 
 
@@ -74,6 +78,8 @@ class Link:
                 f"cannot connect to a Player server at {self.address}: {error.strerror or error} "
                 "(is it running, and is this its port?)"
             ) from None
+        except (ValueError, OverflowError) as error:  # a name or a port that cannot be one
+            raise PlayerDisconnected(f"{self.address} is no address: {error}") from None
         hurry(sock)
         return sock
 
@@ -83,7 +89,7 @@ class Link:
             banner += self._receive(deadline, BANNER_SIZE - len(banner))
             if not b"Player".startswith(banner[:6]):
                 raise ProtocolError(f"{self.address} is no Player server: it said {banner!r}")
-        return banner.split(b"\0")[0].decode("ascii", "replace")
+        return printable(banner.split(b"\0")[0].decode("ascii", "backslashreplace"))
 
     def next(self, deadline: Deadline) -> Message:
         """The next message; PlayerTimeout, PlayerDisconnected, or ProtocolError if it is none."""
@@ -100,18 +106,19 @@ class Link:
     def _receive(self, deadline: Deadline, size: int) -> bytes:
         waits: float | None = None
         if deadline.until is not None:
-            waits = max(deadline.until - monotonic(), LEAST_WAIT)
-        if waits != self._waits:
-            self._socket.settimeout(waits)
-            self._waits = waits
+            waits = deadline.until - monotonic()
+            if waits <= 0.0:
+                if deadline.over:
+                    self._give_up(deadline)
+                deadline.over = True
+                waits = LEAST_WAIT
+        self._set_timeout(waits)
         try:
             data = self._socket.recv(size)
         except TimeoutError as error:
             if error.errno is not None:  # TCP's own: the network has lost the server
                 self._break(error)
-            raise PlayerTimeout(
-                f"{self.address} did not answer within {deadline.limit:g} s ({deadline.what()})"
-            ) from None
+            self._give_up(deadline)
         except ConnectionResetError:
             data = b""  # it closed without having read all that was sent
         except OSError as error:
@@ -122,15 +129,32 @@ class Link:
             quick_acknowledge(self._socket)
         return data
 
-    def send(self, data: bytes) -> bool:
-        """Sends; False if the server has closed: what is received then is its last words."""
-        if self._waits is not None:
-            self._socket.settimeout(None)
-            self._waits = None
+    def _set_timeout(self, seconds: float | None) -> None:
+        if seconds != self._waits:
+            self._socket.settimeout(seconds)
+            self._waits = seconds
+
+    def _give_up(self, deadline: Deadline) -> NoReturn:
+        raise PlayerTimeout(
+            f"{self.address} did not answer within {deadline.limit:g} s ({deadline.what()})"
+        ) from None
+
+    def send(self, data: bytes, timeout: float | None) -> bool:
+        """Sends; False if the server has closed: what is received then is its last words.
+
+        Raises PlayerTimeout where the server takes nothing for `timeout` seconds (None: wait for
+        ever). The connection is over then: half of a message may have gone out.
+        """
+        self._set_timeout(None if timeout is None else max(timeout, LEAST_WAIT))
         try:
             self._socket.sendall(data)
         except (BrokenPipeError, ConnectionResetError):
             return False
+        except TimeoutError as error:
+            if error.errno is not None:
+                self._break(error)
+            self.ending = f"{self.address} took nothing of what was sent within {timeout:g} s"
+            raise PlayerTimeout(self.ending) from None
         except OSError as error:
             self._break(error)
         return True

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cached_property
+from math import isfinite
 from typing import Any
+
+import numpy as np
 
 from player.codes import Interface, MessageType, interface_name
 from player.errors import XdrError
 from player.table import EMPTY, TABLE, UNIVERSAL, Fields
-from player.xdr import Layout, Values
+from player.xdr import Array, Layout, Record, Scalar, Values
 
 _NACK_TYPE = int(MessageType.NACK)
 
@@ -50,6 +53,26 @@ class MessageSpec:
         except XdrError as error:
             raise XdrError(f"{self!r}: {error}") from None
 
+    def check_finite(self, values: Mapping[str, Any]) -> None:
+        """Raises XdrError, which names the field, where a NaN or an infinity is among the numbers.
+
+        `values` are such as `encode` has taken.
+        """
+        for name, kind in self.fields:
+            if isinstance(kind, Scalar | Record | Array) and not _finite(kind, values[name]):
+                raise XdrError(f"{self!r}: {name}: {values[name]!r} is not a finite number")
+
+
+def _finite(kind: Scalar | Record | Array, value: Any) -> bool:
+    if isinstance(kind, Scalar):
+        return kind.code not in "fd" or isfinite(value)
+    if isinstance(kind, Record):
+        return all(map(_finite, kind.scalars, value))
+    element = kind.element
+    if isinstance(element, Record) and not element.homogeneous:
+        return all(_finite(element, row) for row in value)
+    return bool(np.isfinite(np.asarray(value, np.float64)).all())
+
 
 _SPECS = {(int(i), int(t), s): MessageSpec(i, t, s, name, f) for i, t, s, name, f in TABLE}
 _UNIVERSAL = {(int(t), s): MessageSpec(0, t, s, name, f) for t, s, name, f in UNIVERSAL}
@@ -71,7 +94,8 @@ def specs() -> Iterable[MessageSpec]:
     return [*_SPECS.values(), *_UNIVERSAL.values()]
 
 
-def _known(interf: int, type: int, subtype: int) -> MessageSpec:
+def known(interf: int, type: int, subtype: int) -> MessageSpec:
+    """The message's row; raises XdrError if there is none."""
     spec = find(interf, type, subtype)
     if spec is None:
         raise XdrError(f"no message {interface_name(interf)} type {type} subtype {subtype}")
@@ -80,9 +104,9 @@ def _known(interf: int, type: int, subtype: int) -> MessageSpec:
 
 def encode(interf: int, type: int, subtype: int, /, **values: Any) -> bytes:
     """The payload of one message, by its numbers and fields; raises XdrError."""
-    return _known(interf, type, subtype).encode(values)
+    return known(interf, type, subtype).encode(values)
 
 
 def decode(interf: int, type: int, subtype: int, payload: bytes) -> Values:
     """The fields of one message's payload; raises XdrError."""
-    return _known(interf, type, subtype).decode(payload)
+    return known(interf, type, subtype).decode(payload)

@@ -276,7 +276,7 @@ TABLE: tuple[Row, ...] = (
     (I.FIDUCIAL, ACK, 7, "get_id", (("id", U32),)),
     (I.FIDUCIAL, REQ, 8, "set_id", (("id", U32),)),
     (I.FIDUCIAL, ACK, 8, "set_id", (("id", U32),)),
-    # speech, bumper, dio
+    # speech, bumper, dio, aio
     (I.SPEECH, CMD, 1, "say", (("text", Text()),)),
     (I.BUMPER, DATA, 1, "state", (("bumpers", Octets()),)),
     (I.BUMPER, DATA, 2, "geometry", (("bumpers", Array(BUMPER)),)),
@@ -284,6 +284,8 @@ TABLE: tuple[Row, ...] = (
     (I.BUMPER, ACK, 1, "geometry", (("bumpers", Array(BUMPER)),)),
     (I.DIO, DATA, 1, "values", DIO),
     (I.DIO, CMD, 1, "values", DIO),
+    (I.AIO, DATA, 1, "state", (("voltages", Array(F32)),)),
+    (I.AIO, CMD, 1, "state", (("id", U32), ("voltage", F32))),
     # simulation
     (I.SIMULATION, CMD, 1, "pause", EMPTY),
     (I.SIMULATION, CMD, 2, "reset", EMPTY),

@@ -1,12 +1,15 @@
 """The laser: a scan of ranges, with Gaussian noise if wanted."""
 
 import math
+from typing import Self
+
+from pydantic import model_validator
 
 from .noise import add_range_noise
 from .rays import cast_fans, fan_of
-from .readings import Scans
+from .readings import Scans, too_near
 from .registry import sensor
-from .settings import Count, Number, SensorSettings, setting
+from .settings import Count, Number, SensorSettings, check_min_range, setting
 from .view import View
 
 
@@ -16,6 +19,9 @@ class LaserSettings(SensorSettings):
     range: Number = setting(
         20.0, gt=0, unit="m", description="how far it sees; the reading where nothing is hit"
     )
+    min_range: Number = setting(
+        0.0, ge=0, unit="m", description="what is nearer than that reads 0: too near to measure"
+    )
     fov: Number = setting(
         180.0, gt=0, le=360, unit="deg", description="the fan's width; both ends are rays"
     )
@@ -23,6 +29,11 @@ class LaserSettings(SensorSettings):
     noise: Number = setting(
         0.0, ge=0, unit="m", description="standard deviation of the noise on ranges that hit"
     )
+
+    @model_validator(mode="after")
+    def _sees_something(self) -> Self:
+        check_min_range(self.min_range, self.range)
+        return self
 
 
 def _empty(settings: LaserSettings, n: int) -> Scans:
@@ -43,6 +54,7 @@ def sense_laser(settings: LaserSettings, view: View, scans: Scans) -> None:
             settings.noise,
             settings.range,
         )
+    too_near(scans.ranges, view.rows, settings.min_range)
 
 
 def cast_scans(view: View, scans: Scans) -> None:

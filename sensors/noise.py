@@ -77,12 +77,16 @@ def add_range_noise(
 def add_element_noise(
     ranges: Floats, rows: Ints, keys: Keys, tick: int, deviation: float, max_range: float
 ) -> None:
-    """The same for ranges without hits: what is nearer than `max_range` did hit something."""
+    """The same for ranges without hits: what is nearer than `max_range` did hit something.
+
+    So it does not become `max_range` either, which would say that nothing is there.
+    """
+    farthest = np.nextafter(max_range, 0.0)
     for j in rows:
         for i in range(ranges.shape[1]):
             if ranges[j, i] < max_range:
                 noisy = ranges[j, i] + deviation * gaussian_at(keys[j], tick, i)
-                ranges[j, i] = min(max(noisy, 0.0), max_range)
+                ranges[j, i] = min(max(noisy, 0.0), farthest)
 
 
 def gaussians(keys: Keys, tick: int, channels: int = 1) -> Floats:

@@ -9,9 +9,9 @@ from pydantic import model_validator
 from .cones import cast_cones
 from .laser import cast_scans
 from .noise import add_element_noise, add_range_noise
-from .readings import Elements, Scans
+from .readings import Elements, Scans, too_near
 from .registry import sensor
-from .settings import Count, Number, Pose, SensorSettings, setting
+from .settings import Count, Number, Pose, SensorSettings, check_min_range, setting
 from .view import View, place_elements
 
 
@@ -28,6 +28,9 @@ class RangerSettings(SensorSettings):
     range: Number = setting(
         5.0, gt=0, unit="m", description="how far it measures; the reading where nothing is near"
     )
+    min_range: Number = setting(
+        0.0, ge=0, unit="m", description="what is nearer than that reads 0: too near to measure"
+    )
     fov: Number = setting(
         15.0, gt=0, le=360, unit="deg", description="the cone's width, or the scan's"
     )
@@ -42,6 +45,11 @@ class RangerSettings(SensorSettings):
     noise: Number = setting(
         0.0, ge=0, unit="m", description="standard deviation of the noise on ranges that hit"
     )
+
+    @model_validator(mode="after")
+    def _measures_something(self) -> Self:
+        check_min_range(self.min_range, self.range)
+        return self
 
     @model_validator(mode="after")
     def _one_element_scans(self) -> Self:
@@ -87,6 +95,7 @@ def sense_ranges(settings: RangerSettings, view: View, readings: Any) -> None:
                 settings.noise,
                 settings.range,
             )
+        too_near(readings.ranges, view.rows, settings.min_range)
         return
     count = len(readings.poses)
     places = place_elements(view.origins, view.rows, readings.poses)
@@ -98,3 +107,4 @@ def sense_ranges(settings: RangerSettings, view: View, readings: Any) -> None:
         add_element_noise(
             readings.ranges, view.rows, view.keys, view.tick, settings.noise, settings.range
         )
+    too_near(readings.ranges, view.rows, settings.min_range)

@@ -267,6 +267,17 @@ class Scalars:
         return Scalars(self.values[k : k + 1], self.names, self.units)
 
 
+def too_near(ranges: Floats, rows: npt.NDArray[np.int64], min_range: float) -> None:
+    """Of the wanted rows, have what is nearer than `min_range` read 0.
+
+    So do real range finders whose echo comes before they listen: something is there, and nobody can
+    say where. Who turns away from what is near still turns away.
+    """
+    if min_range > 0.0:
+        measured = ranges[rows]
+        ranges[rows] = np.where(measured < min_range, 0.0, measured)
+
+
 KINDS: dict[str, type] = {
     kind.kind: kind for kind in (Scans, Elements, Intensities, Blobs, Fiducials, Bits, Scalars)
 }

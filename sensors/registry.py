@@ -7,7 +7,7 @@ import hashlib
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
@@ -221,16 +221,16 @@ def _invalid(value: object, kind: str, message: str) -> ValidationError:
     )
 
 
-def describe() -> list[dict[str, Any]]:
-    """Every registered sensor, for people: name, kind, summary and settings.
+def describe(found: Iterable[SensorType] | None = None) -> list[dict[str, Any]]:
+    """Sensors, every registered one unless told, for people: name, kind, summary and settings.
 
     Each setting has name, type, unit, default (None if it must be given) and description.
     """
     return [
         {
-            "name": found.name,
-            "kind": found.kind,
-            "summary": found.summary,
+            "name": one.name,
+            "kind": one.kind,
+            "summary": one.summary,
             "settings": [
                 {
                     "name": name,
@@ -239,9 +239,9 @@ def describe() -> list[dict[str, Any]]:
                     "default": None if info.is_required() else info.get_default(),
                     "description": info.description or "",
                 }
-                for name, info in found.settings.model_fields.items()
+                for name, info in one.settings.model_fields.items()
                 for extra in (info.json_schema_extra,)
             ],
         }
-        for found in SENSORS.values()
+        for one in (SENSORS.values() if found is None else found)
     ]

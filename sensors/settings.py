@@ -29,6 +29,12 @@ Color = Annotated[
 """0xRRGGBB, written as an X11 name or `#rrggbb`."""
 
 
+def check_min_range(min_range: float, max_range: float) -> None:
+    """Raises ValueError where a sensor could measure nothing."""
+    if min_range >= max_range:
+        raise ValueError(f"min_range must be below range ({min_range:g} and {max_range:g} given)")
+
+
 def setting(default: Any = ..., *, unit: str, description: str, **limits: Any) -> Any:
     """A field of a sensor's settings, with its unit, a description, and limits (gt, ge, le ...)."""
     return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)

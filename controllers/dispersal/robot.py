@@ -95,6 +95,8 @@ class Disperser:
         """Step by step until settled, or until the run is over."""
         step = 0
         while self.robot.read():
+            if not all(proxy.valid for proxy in (self.base, *self.lasers, *self.cameras)):
+                continue  # a server may be slow with its first readings
             # A step's look is taken one reading after the step began: a robot that entered just
             # then has its first reading, and nobody has moved yet.
             began = self.robot.time - self.interval

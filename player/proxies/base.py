@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 from player import messages
 from player.client import PlayerClient
 from player.codes import DeviceAddr, Interface, MessageType
+from player.errors import NoReading
 from player.xdr import Pose3d, Values
 
 
@@ -31,8 +32,31 @@ def geometry(values: Values) -> Geometry:
     return Geometry(values["pose"], Size(length, width, height))
 
 
+class _Reading:
+    """What stands in a proxy's class for a value that data brings; an instance's own hides it."""
+
+    def __set_name__(self, owner: type[Proxy], name: str) -> None:
+        self._name = name
+
+    def __get__(self, proxy: Proxy | None, owner: type[Proxy]) -> Any:
+        if proxy is None:
+            return self
+        raise NoReading(
+            f"{proxy.addr} has sent no {self._name} yet: call read() first "
+            "(a proxy's `valid` says whether a reading has come)"
+        )
+
+
+def reading() -> Any:
+    """A proxy's value that data brings: whoever looks at it before gets NoReading."""
+    return _Reading()
+
+
 class Proxy:
     """A device that this client has subscribed.
+
+    What its data brings (ranges, poses, blobs) is there from the first `read` that brings it;
+    before, it raises NoReading.
 
     `index` is the device's; the client's own (PLAYER_INDEX, else 0) if left out. Raises
     PlayerRefused if the server has no such device.

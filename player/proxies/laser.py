@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from player.codes import Interface
 from player.errors import XdrError
-from player.proxies.base import Geometry, Proxy, geometry
+from player.proxies.base import Geometry, Proxy, geometry, reading
 from player.xdr import Pose2d
 
 Floats = npt.NDArray[np.float64]
@@ -38,22 +38,22 @@ class LaserProxy(Proxy):
 
     interface = Interface.LASER
 
-    min_angle = 0.0
+    ranges: Floats = reading()
+    """Metres, shape (n,), from the right to the left."""
+    intensity: npt.NDArray[np.uint8] = reading()
+    """Shape (n,), or (0,) if the laser has none."""
+    min_angle: float = reading()
     """Bearing of the first reading, radians; 0 is straight ahead of the laser."""
-    max_angle = 0.0
-    resolution = 0.0
-    """Radians between readings, as the server says."""
-    max_range = 0.0
+    max_angle: float = reading()
+    resolution: float = reading()
+    """Radians between readings, as the server says; 0 if it does not."""
+    max_range: float = reading()
     """Metres; also the reading where nothing is hit."""
-    id = 0
-    robot_pose: Pose2d | None = None
+    id: int = reading()
+    robot_pose: Pose2d | None = reading()
     """The robot's pose at the scan, if the server sends it."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.ranges: Floats = np.zeros(0)
-        """Metres, shape (n,), from the right to the left."""
-        self.intensity: npt.NDArray[np.uint8] = np.zeros(0, np.uint8)
-        """Shape (n,), or (0,) if the laser has none."""
         self._bearings: Floats = np.zeros(0)
         self._rays: Floats = np.zeros((0, 2))
         self._fan: tuple[float, float, int] | None = None
@@ -63,6 +63,15 @@ class LaserProxy(Proxy):
     def count(self) -> int:
         """The number of readings."""
         return len(self.ranges)
+
+    @property
+    def hits(self) -> npt.NDArray[np.bool_]:
+        """Which readings have hit something, shape (n,); the others are at the end of the range.
+
+        A server that is ours never gives something hit the range's end as its reading, however near
+        to it that is; one that is not has hit what it says is nearer than that.
+        """
+        return self.ranges < self.max_range
 
     @property
     def bearings(self) -> Floats:
@@ -97,8 +106,7 @@ class LaserProxy(Proxy):
                 raise XdrError(f"{self.addr}: the scan's counts ({n}, {m}) do not fit its size")
             ranges = np.frombuffer(payload, _RANGES, n, 24).astype(np.float64)
             self.id = int.from_bytes(payload[tail : tail + 4])
-            if subtype == 2:
-                self.robot_pose = Pose2d(*_POSE.unpack_from(payload, tail + 4))
+            pose = Pose2d(*_POSE.unpack_from(payload, tail + 4)) if subtype == 2 else None
         except (struct.error, ValueError) as error:
             if isinstance(error, XdrError):
                 raise
@@ -106,6 +114,7 @@ class LaserProxy(Proxy):
         self.min_angle, self.max_angle, self.resolution, self.max_range = angles
         self.ranges = ranges
         self.intensity = np.frombuffer(payload, np.uint8, m, end + 8)
+        self.robot_pose = pose
 
     def _decode_angles(self, subtype: int, payload: bytes) -> None:
         values = self._table(subtype, payload)
@@ -118,6 +127,8 @@ class LaserProxy(Proxy):
         self.max_range = values["max_range"]
         self.intensity = np.frombuffer(values["intensity"], np.uint8)
         self.id = values["id"]
+        self.robot_pose = None
+        self.resolution = self.min_angle = self.max_angle = 0.0
         if len(bearings):
             self.min_angle, self.max_angle = float(bearings[0]), float(bearings[-1])
         self._fan = (self.min_angle, self.max_angle, len(bearings))

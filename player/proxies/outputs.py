@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from player.codes import Interface
 from player.errors import XdrError
-from player.proxies.base import Proxy
+from player.proxies.base import Proxy, reading
 
 
 class DioProxy(Proxy):
@@ -12,9 +12,9 @@ class DioProxy(Proxy):
 
     interface = Interface.DIO
 
-    count = 0
+    count: int = reading()
     """The number of lines."""
-    bits = 0
+    bits: int = reading()
     """Their values."""
 
     def decode(self, subtype: int, payload: bytes) -> None:

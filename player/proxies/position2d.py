@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import struct
+from math import isfinite
 
 from player.codes import Interface, MessageType
 from player.errors import XdrError
 from player.header import HEADER
-from player.proxies.base import Geometry, Proxy, geometry
+from player.proxies.base import Geometry, Proxy, geometry, reading
 from player.xdr import Pose2d
 
 _STATE = struct.Struct(">6dI")
@@ -21,18 +22,18 @@ class Position2dProxy(Proxy):
 
     interface = Interface.POSITION2D
 
-    x = 0.0
+    x: float = reading()
     """Odometry, metres."""
-    y = 0.0
-    yaw = 0.0
+    y: float = reading()
+    yaw: float = reading()
     """Odometry, radians, counter-clockwise."""
-    vx = 0.0
+    vx: float = reading()
     """Speed forward, m/s."""
-    vy = 0.0
+    vy: float = reading()
     """Speed to the left, m/s."""
-    vyaw = 0.0
+    vyaw: float = reading()
     """Turning rate, rad/s, counter-clockwise."""
-    stall = False
+    stall: bool = reading()
     """True while something blocks the drive."""
 
     @property
@@ -51,13 +52,20 @@ class Position2dProxy(Proxy):
         self.stall = bool(stall)
 
     def set_speed(self, vx: float, vyaw: float = 0.0, *, vy: float = 0.0) -> None:
-        """Commands a velocity: m/s forward, rad/s counter-clockwise, m/s to the left."""
+        """Commands a velocity: m/s forward, rad/s counter-clockwise, m/s to the left.
+
+        Raises XdrError, a ValueError, for what is no finite number.
+        """
         interf, index = self.addr
         header = (0, 0, interf, index, _CMD, 1, 0.0, 0, _VELOCITY_SIZE)
         try:
             message = _VELOCITY.pack(*header, vx, vy, vyaw, 1)
-        except struct.error as error:
+        except (struct.error, OverflowError) as error:
             raise XdrError(f"set_speed takes m/s and rad/s: {error}") from None
+        if not (isfinite(vx) and isfinite(vyaw) and isfinite(vy)):
+            raise XdrError(
+                f"set_speed takes finite m/s and rad/s (vx={vx!r}, vyaw={vyaw!r}, vy={vy!r} given)"
+            )
         self.client.queue(message)
 
     def go_to(self, x: float, y: float, yaw: float = 0.0) -> None:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from player.codes import Interface
 from player.errors import PlayerRefused, PlayerTimeout, XdrError
-from player.proxies.base import Proxy, Size
+from player.proxies.base import Proxy, Size, reading
 from player.xdr import Pose3d, Values
 
 Floats = npt.NDArray[np.float64]
@@ -60,10 +60,12 @@ class RangerProxy(Proxy):
 
     interface = Interface.RANGER
 
+    ranges: Floats = reading()
+    """Metres, shape (n,)."""
+    intensities: Floats = reading()
+    """What came back along each ray, shape (n,), or (0,) if the ranger does not tell."""
+
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.ranges: Floats = np.zeros(0)
-        """Metres, shape (n,)."""
-        self.intensities: Floats = np.zeros(0)
         self.config: RangerConfig | None = None
         self.geometry: RangerGeometry | None = None
         super().__init__(*args, **kwargs)
@@ -76,6 +78,17 @@ class RangerProxy(Proxy):
     def count(self) -> int:
         """The number of ranges."""
         return len(self.ranges)
+
+    @property
+    def hits(self) -> npt.NDArray[np.bool_]:
+        """Which ranges have hit something, shape (n,); the others are the greatest range.
+
+        ValueError if the server did not tell the greatest range.
+        """
+        ranges = self.ranges
+        if self.config is None:
+            raise ValueError(f"{self.addr}: the server did not tell how far it measures")
+        return ranges < self.config.max_range
 
     @property
     def bearings(self) -> Floats:
@@ -101,19 +114,26 @@ class RangerProxy(Proxy):
                 raise XdrError(f"{self.addr}: {n} ranges do not fit {len(payload)} bytes")
             numbers = np.frombuffer(payload, _FLOATS, n, 8).astype(np.float64)
             if subtype == 1:
-                self.ranges = numbers
+                self._take_ranges(numbers)
             else:
                 self.intensities = numbers
             return
         values = self._table(subtype, payload)
         if values is None:
             return
-        self.ranges = values.get("ranges", self.ranges)
-        self.intensities = values.get("intensities", self.intensities)
+        if "ranges" in values:
+            self._take_ranges(values["ranges"])
+        if "intensities" in values:
+            self.intensities = values["intensities"]
         if values.get("have_geometry", True):
             self.geometry = _geometry(values)
         if values.get("have_config", False):
             self.config = RangerConfig(*(values[f"config_{f}"] for f in RangerConfig._fields))
+
+    def _take_ranges(self, ranges: Floats) -> None:
+        self.ranges = ranges
+        if "intensities" not in vars(self):
+            self.intensities = np.zeros(0)  # until some come, if ever
 
     def request_geometry(self) -> RangerGeometry:
         """Where the ranger and its elements are mounted."""

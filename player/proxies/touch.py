@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
 from player.codes import Interface
-from player.proxies.base import Proxy
+from player.proxies.base import Proxy, reading
 from player.table import BumperSegment
 
 
@@ -17,10 +15,8 @@ class BumperProxy(Proxy):
 
     interface = Interface.BUMPER
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.bumped: npt.NDArray[np.bool_] = np.zeros(0, bool)
-        """True per segment while it touches something, shape (n,)."""
-        super().__init__(*args, **kwargs)
+    bumped: npt.NDArray[np.bool_] = reading()
+    """True per segment while it touches something, shape (n,)."""
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """STATE; see Proxy."""

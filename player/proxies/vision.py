@@ -2,18 +2,62 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
-from typing import Any
+from math import isfinite, tau
+from typing import Any, NamedTuple
 
 from player.codes import Interface
-from player.errors import XdrError
-from player.proxies.base import Geometry, Proxy, geometry
-from player.table import Blob, Fiducial
+from player.errors import PlayerRefused, PlayerTimeout, XdrError
+from player.proxies.base import Geometry, Proxy, geometry, reading
+from player.table import Blob as WireBlob
+from player.table import Fiducial
 
 _HEAD = struct.Struct(">4I")
 _BLOB = struct.Struct(">9If")
 _COUNTS = struct.Struct(">II")
 _FIDUCIAL = struct.Struct(">i12d")
+
+GET_DOUBLE_PROPERTY = 252
+"""Player's request for a number that a driver knows by name."""
+
+
+class Image(NamedTuple):
+    """Where a blob was seen: the camera, and how many columns its image has."""
+
+    camera: BlobfinderProxy
+    width: int
+
+
+class Blob(WireBlob):
+    """A blob of the blobfinder: pixels, x to the robot's right, y downward; range in metres.
+
+    Fields: id, color (0xRRGGBB), area, x, y, left, right, top, bottom, range.
+    """
+
+    image: Image | None = None
+    """Where it was seen; None for a blob that no camera has made."""
+
+    @property
+    def bearing(self) -> float:
+        """Where its middle is: radians, counter-clockwise, 0 straight ahead of the camera.
+
+        Columns stand for equal angles, as those of a simulated camera do. ValueError where the
+        field of view is not known: see BlobfinderProxy.fov.
+        """
+        if self.image is None:
+            raise ValueError("this blob comes from no camera: nobody knows its bearing")
+        camera, width = self.image
+        fov = camera.fov
+        if fov is None:
+            raise ValueError(
+                f"{camera.addr}: the server does not tell the camera's field of view: "
+                "set the proxy's `fov`, in radians"
+            )
+        return (0.5 - 0.5 * (self.left + self.right) / (width - 1)) * fov if width > 1 else 0.0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), tuple(self))  # its camera is a connection, and stays here
 
 
 class BlobfinderProxy(Proxy):
@@ -21,14 +65,38 @@ class BlobfinderProxy(Proxy):
 
     interface = Interface.BLOBFINDER
 
-    width = 0
+    blobs: list[Blob] = reading()
+    """Blobs in sight; `color` is 0xRRGGBB, `range` metres, `bearing` radians."""
+    width: int = reading()
     """Pixels of the image."""
-    height = 0
+    height: int = reading()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.blobs: list[Blob] = []
-        """Blobs in sight; `color` is 0xRRGGBB, `range` metres."""
+        self._fov: float | None = None
+        self._fov_asked = False
         super().__init__(*args, **kwargs)
+
+    @property
+    def fov(self) -> float | None:
+        """The image's width as an angle, radians; None if the server does not tell.
+
+        Player's blobs come without it. The server is asked for its property `fov` when it is first
+        needed; ours knows it, where another does not, set it to what you know of your camera.
+        """
+        if not self._fov_asked:
+            with contextlib.suppress(PlayerRefused, PlayerTimeout):
+                told = self._request(GET_DOUBLE_PROPERTY, key="fov", value=0.0)["value"]
+                if isfinite(told) and 0.0 < told <= tau:
+                    self._fov = told
+            self._fov_asked = True
+        return self._fov
+
+    @fov.setter
+    def fov(self, radians: float) -> None:
+        if not 0.0 < radians <= tau:
+            raise ValueError(f"a field of view is an angle from 0 to 2 pi ({radians!r} given)")
+        self._fov = radians
+        self._fov_asked = True
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """BLOBS; see Proxy."""
@@ -41,6 +109,9 @@ class BlobfinderProxy(Proxy):
         if n != again or size != 16 + 40 * n:
             raise XdrError(f"{self.addr}: {n} blobs do not fit {size} bytes")
         self.blobs = list(map(Blob._make, _BLOB.iter_unpack(payload[16:])))
+        image = Image(self, self.width)
+        for blob in self.blobs:
+            blob.image = image
 
     def set_tracking_color(
         self, red: tuple[int, int], green: tuple[int, int], blue: tuple[int, int], channel: int = 0
@@ -63,10 +134,8 @@ class FiducialProxy(Proxy):
 
     interface = Interface.FIDUCIAL
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.fiducials: list[Fiducial] = []
-        """Fiducials in sight."""
-        super().__init__(*args, **kwargs)
+    fiducials: list[Fiducial] = reading()
+    """Fiducials in sight."""
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """The fiducials in sight; see Proxy."""

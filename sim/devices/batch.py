@@ -116,8 +116,24 @@ def encode_scans(group: Group) -> NDArray[Any]:
     rows["resolution"] = scans.resolution
     rows["max_range"] = scans.max_range
     rows["counts"] = n
-    rows["ranges"] = scans.ranges[group.rows]
+    rows["ranges"] = told(scans.ranges[group.rows], scans.hits[group.rows] >= 0, scans.max_range)
     return rows
+
+
+def told(
+    ranges: NDArray[np.float64],
+    hit: NDArray[np.bool_],
+    max_range: float,
+    kind: type[np.floating[Any]] = np.float32,
+) -> NDArray[np.float64]:
+    """Ranges as they are to travel, in place: nothing that is hit reads `max_range`.
+
+    What is hit at the end of the range, or is there by noise or by the rounding to the wire's
+    `kind` of number, reads the next smaller number of that kind. So clients can tell it from
+    where nothing is hit.
+    """
+    end = kind(max_range)
+    return np.minimum(ranges, float(np.nextafter(end, kind(0))), out=ranges, where=hit)
 
 
 @cache
@@ -150,7 +166,10 @@ def encode_ranges(group: Group) -> NDArray[Any]:
     """ranger RANGE (subtype 1)."""
     readings = group.readings
     assert isinstance(readings, Scans | Elements | Intensities)
-    return encode_array(readings.ranges[group.rows], ">f8")
+    ranges = readings.ranges[group.rows]
+    if isinstance(readings, Scans):
+        told(ranges, readings.hits[group.rows] >= 0, readings.max_range, np.float64)
+    return encode_array(ranges, ">f8")
 
 
 def encode_intensities(group: Group) -> NDArray[Any]:

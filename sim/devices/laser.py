@@ -12,7 +12,7 @@ import numpy as np
 from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Scans
-from sim.devices.batch import Encoders
+from sim.devices.batch import Encoders, told
 from sim.devices.device import Context, Refused, Values, flat_pose, sane
 from sim.devices.ranging import SENSOR_SIZE, RangingDevice
 
@@ -75,12 +75,12 @@ class Laser(RangingDevice):
         scans, cut = self.scans, self.cut
         rays = slice(cut.first, cut.last + 1, cut.step)
         seen = scans.ranges[self.row, rays]
-        ranges = np.minimum(seen, cut.max_range)
+        hit = (scans.hits[self.row, rays] >= 0) & (seen <= cut.max_range)
+        ranges = told(np.minimum(seen, cut.max_range), hit, cut.max_range)
         least, most, step = self.angles()
         head = HEAD.pack(least, most, step, cut.max_range, len(ranges), len(ranges))
         marks = b""
         if cut.intensity:
-            hit = (scans.hits[self.row, rays] >= 0) & (seen <= cut.max_range)
             marks = hit.astype(np.uint8).tobytes()
         intensities = COUNTS.pack(len(marks), len(marks)) + marks + bytes(-len(marks) % 4)
         return head + ranges.astype(">f4").tobytes() + intensities + ID

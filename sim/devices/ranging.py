@@ -97,7 +97,7 @@ class Ranger(RangingDevice):
             "min_angle": least,
             "max_angle": most,
             "angular_resolution": step,
-            "min_range": 0.0,
+            "min_range": getattr(self.group.settings, "min_range", 0.0),
             "max_range": readings.max_range,
             "range_resolution": 0.0,
             "frequency": 1.0 / self.context.interval,

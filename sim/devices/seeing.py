@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6
 
 MOST_CHANNELS = 32
 """Channels of colour that a blobfinder can be told (as many as the CMUcam of old had)."""
+FIELD_OF_VIEW = "fov"
+"""The property that tells the image's width as an angle, radians: blobs travel without it."""
 LARGEST_ID = 0x7FFF_FFFF
 """Ids travel as signed numbers in what a finder sees."""
 
@@ -103,6 +106,11 @@ class Blobfinder(SensorDevice):
         return seen[ids >= 0]
 
     def request(self, name: str, values: Values) -> Values | None:
+        if name == "get_double_property" and values["key"] == FIELD_OF_VIEW:
+            fov = getattr(self.group.settings, "fov", None)
+            if fov is None:  # a camera of a user's own need not have one
+                raise Refused
+            return {"key": FIELD_OF_VIEW, "value": math.radians(fov)}
         if name == "set_color":
             number = values["channel"]
             bounds = [
@@ -178,7 +186,7 @@ class FiducialFinder(SensorDevice):
 
 
 class Marker:
-    """The id of a robot that carries one and has no finder itself: it sees nothing, ever."""
+    """The id of a robot that carries one and has no finder itself: it never sees anything."""
 
     def __init__(self, context: Context, robot: int, size: tuple[float, float, float]) -> None:
         self.context = context
@@ -187,7 +195,7 @@ class Marker:
         self.addr = DeviceAddr(Interface.FIDUCIAL, 0)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ()
+        return ((1, COUNTS.pack(0, 0)),)
 
     def command(self, name: str, values: Values) -> None:
         """There are no commands."""

@@ -8,6 +8,7 @@ from wire_talk import (
     CMD,
     DATA,
     DATAMODE,
+    DEV,
     DRIVERINFO,
     GET_DATA,
     LASER,
@@ -98,7 +99,7 @@ def test_data_that_comes_before_a_reply_is_kept_for_the_next_read():
     with scripted(script) as sock, PlayerClient(sock=sock) as robot:
         base = Position2dProxy(robot)
         base.reset_odometry()
-        assert base.x == 0.0
+        assert not base.valid
         assert robot.read()
         assert (base.x, robot.time) == (8.0, 0.6)
 
@@ -154,3 +155,23 @@ def test_the_device_list_and_drivers_are_told():
         devices = robot.devices()
         assert [str(addr) for addr in devices] == ["position2d:0", "laser:3"]
         assert robot.driver(devices[1]) == "stub"
+
+
+def test_names_that_a_server_gives_can_be_printed():
+    """The banner, and drivers' names: no terminal obeys them, and they are one line."""
+    evil = b"\x1b[2J\x1b]0;t\x07\xff\n\x9bx"
+
+    def script(talk):
+        talk.sock.sendall((b"Player" + evil).ljust(32, b"\0"))
+        talk.accept(PLAYER, DATAMODE)
+        talk.accept(PLAYER, RULE)
+        name = struct.pack(">II", len(evil), len(evil)) + evil + bytes(-len(evil) % 4)
+        for subtype, kept in ((DEV, 20), (DRIVERINFO, 16)):
+            message = talk.expect(PLAYER, REQ, subtype)
+            talk.reply(message, message.payload[:kept] + name)
+
+    with scripted(script) as sock, PlayerClient(sock=sock) as robot:
+        base = Position2dProxy(robot)
+        written = r"\x1b[2J\x1b]0;t\x07\xff\n\x9bx"
+        assert robot.banner == f"Player{written}"
+        assert base.driver == robot.driver(base.addr) == written

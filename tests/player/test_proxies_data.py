@@ -1,20 +1,24 @@
 """Every proxy: what it makes of data."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
 from captured_conversations import server_messages
 from proxy_talk import ELEMENTS, GEOMETRY, RANGER_CONFIG, talk_with
-from scripted_server import scripted
-from wire_talk import DATA
+from scripted_server import PATIENCE, scripted
+from wire_talk import ACK, DATA, NACK, REQ
 
 from player import (
+    AioProxy,
+    Blob,
     BlobfinderProxy,
     BumperProxy,
     DioProxy,
     FiducialProxy,
     LaserProxy,
+    NoReading,
     PlayerClient,
     Position2dProxy,
     RangerProxy,
@@ -179,6 +183,7 @@ def test_digital_inputs():
         FiducialProxy,
         BumperProxy,
         DioProxy,
+        AioProxy,
     ],
 )
 @pytest.mark.parametrize("payload", [b"", bytes(4), b"\0\0\0\x09" * 3, b"\xff" * 60])
@@ -189,7 +194,7 @@ def test_data_that_is_cut_or_wrong_is_an_error(proxy_class, payload):
 
 @pytest.mark.parametrize(
     "proxy_class",
-    [Position2dProxy, LaserProxy, RangerProxy, BlobfinderProxy, FiducialProxy, DioProxy],
+    [Position2dProxy, LaserProxy, RangerProxy, BlobfinderProxy, FiducialProxy, DioProxy, AioProxy],
 )
 def test_data_of_a_later_players_subtype_is_passed_over(proxy_class):
     see(proxy_class, (99, b"whatever"))
@@ -208,3 +213,141 @@ def test_captured_data_is_read_as_the_table_reads_it(proxy_class):
         assert proxy.intensity.tobytes() == values["intensity"]
     else:
         assert [tuple(blob) for blob in values["blobs"].tolist()] == proxy.blobs
+
+
+def test_plain_numbers_are_numpy():
+    proxy = see(AioProxy, (1, {"voltages": [0.5, -2.0]}))
+    assert proxy.values.dtype == np.float64
+    assert proxy.values.tolist() == proxy.voltages.tolist() == [0.5, -2.0]
+    assert proxy.count == 2
+
+
+READINGS = [
+    (Position2dProxy, ["x", "y", "yaw", "pose", "vx", "vy", "vyaw", "stall"]),
+    (
+        LaserProxy,
+        ["ranges", "hits", "bearings", "points", "count", "intensity", "min_angle", "max_angle",
+         "resolution", "max_range", "id", "robot_pose"],
+    ),
+    (RangerProxy, ["ranges", "hits", "bearings", "count", "intensities"]),
+    (BlobfinderProxy, ["blobs", "width", "height"]),
+    (FiducialProxy, ["fiducials"]),
+    (BumperProxy, ["bumped", "any_bumped"]),
+    (DioProxy, ["bits", "count"]),
+    (AioProxy, ["values", "voltages", "count"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("proxy_class", "names"), READINGS)
+def test_a_reading_before_the_first_read_is_an_error_that_says_so(proxy_class, names):
+    """No zeros that nobody has measured, and no arrays without elements: all proxies alike."""
+
+    def act(proxy):
+        assert not proxy.valid
+        for name in names:
+            with pytest.raises(
+                NoReading, match=rf"{proxy.addr} has sent no .* call read\(\) first"
+            ):
+                getattr(proxy, name)
+
+    talk_with(proxy_class, lambda talk: None, act)
+
+
+def test_a_device_that_has_sent_nothing_in_the_first_rounds_has_no_reading_then():
+    """As behind a server whose devices are not equally fast."""
+
+    def script(talk):
+        talk.greet()
+        talk.subscribe()
+        talk.subscribe()
+        talk.round((Interface.POSITION2D, 1, bytes(52)))
+        talk.round((Interface.LASER, 1, messages.encode(6, DATA, 1, **scan([1.0]))))
+
+    with scripted(script) as sock, PlayerClient(sock=sock) as robot:
+        base, laser = Position2dProxy(robot), LaserProxy(robot)
+        assert robot.read()
+        assert base.pose == (0, 0, 0)
+        assert not laser.valid
+        with pytest.raises(NoReading, match="laser:0 has sent no ranges yet"):
+            _ = laser.ranges
+        assert robot.read()
+        assert laser.ranges.tolist() == [1.0]
+
+
+def test_what_a_laser_has_hit_is_told_from_the_end_of_its_range():
+    end = float(np.nextafter(np.float32(8.0), np.float32(0.0)))
+    assert see(LaserProxy, (1, scan([0.0, 7.5, end, 8.0]))).hits.tolist() == [True] * 3 + [False]
+
+
+def test_what_a_ranger_has_hit_is_told_from_the_end_of_its_range():
+    proxy = see(RangerProxy, (1, {"ranges": [0.0, 7.9, 8.0]}))
+    assert proxy.hits.tolist() == [True, True, False]
+    proxy.config = None
+    with pytest.raises(ValueError, match="did not tell how far"):
+        _ = proxy.hits
+
+
+BLOBS = {
+    "width": 161,
+    "height": 120,
+    "blobs": [(0, 0xFF0000, 0, left + 1, 60, left, left + 2, 59, 61, 2.0) for left in (0, 79, 158)],
+}
+
+
+def see_blobs(answer):
+    """The proxy and its blobs, where the server does `answer(talk, request)` when asked for fov."""
+
+    def script(talk):
+        talk.round((Interface.BLOBFINDER, 1, messages.encode(7, DATA, 1, **BLOBS)))
+        request = talk.expect(Interface.BLOBFINDER, REQ, 252)
+        assert messages.decode(7, REQ, 252, request.payload)["key"] == "fov"
+        answer(talk, request)
+
+    def act(camera):
+        assert camera.client.read()
+        camera.client.timeout = PATIENCE
+        return camera, camera.fov, camera.blobs
+
+    return talk_with(BlobfinderProxy, script, act)
+
+
+def tell(fov):
+    reply = messages.encode(7, ACK, 252, key="fov", value=fov)
+    return lambda talk, request: talk.reply(request, reply)
+
+
+def test_a_blob_has_a_bearing_by_the_field_of_view_that_the_server_tells():
+    _, fov, blobs = see_blobs(tell(1.6))
+    assert fov == 1.6
+    # 160 columns apart is the whole view; the blobs' middles are columns 1, 80 and 159
+    assert [blob.bearing for blob in blobs] == pytest.approx([0.79, 0.0, -0.79], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        lambda talk, request: talk.reply(request, type_=NACK),
+        tell(0.0),
+        tell(math.nan),
+        tell(1e300),
+    ],
+    ids=["refused", "zero", "nan", "absurd"],
+)
+def test_without_a_field_of_view_a_bearing_is_an_error_until_it_is_set(answer):
+    """A real Player server refuses the request: the program knows its own camera."""
+    camera, fov, blobs = see_blobs(answer)
+    assert fov is None
+    with pytest.raises(ValueError, match=r"blobfinder:0: .*field of view: set the proxy's `fov`"):
+        _ = blobs[0].bearing
+    for wrong in (0.0, -1.0, math.nan, 7.0):
+        with pytest.raises(ValueError, match="angle"):
+            camera.fov = wrong
+    camera.fov = 0.8
+    assert blobs[0].bearing == pytest.approx(0.395, abs=1e-12)
+
+
+def test_a_blob_is_still_ten_numbers_that_can_be_copied():
+    _, _, blobs = see_blobs(tell(1.6))
+    assert pickle.loads(pickle.dumps(blobs[0])) == blobs[0] == BLOBS["blobs"][0]
+    with pytest.raises(ValueError, match="no camera"):
+        _ = Blob(*BLOBS["blobs"][0]).bearing

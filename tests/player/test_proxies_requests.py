@@ -9,11 +9,13 @@ from proxy_talk import GEOMETRY, LASER_CONFIG, POSE, RANGER_CONFIG, talk_with
 from wire_talk import ACK, CMD, REQ
 
 from player import (
+    AioProxy,
     BlobfinderProxy,
     BumperProxy,
     BumperSegment,
     DioProxy,
     FiducialProxy,
+    Graphics2dProxy,
     LaserProxy,
     Position2dProxy,
     RangerProxy,
@@ -35,6 +37,8 @@ COMMANDS = [
     (Position2dProxy, lambda p: p.set_car(1, 2), 3, {"velocity": 1, "angle": 2}),
     (Position2dProxy, lambda p: p.set_velocity_heading(1, 2), 4, {"velocity": 1, "heading": 2}),
     (DioProxy, lambda p: p.set_output(5, 3), 1, {"count": 3, "bits": 5}),
+    (AioProxy, lambda p: p.set_output(2, 0.5), 1, {"id": 2, "voltage": 0.5}),
+    (Graphics2dProxy, lambda p: p.clear(), 1, {}),
     (SpeechProxy, lambda p: p.say("at goal ✓"), 1, {"text": "at goal ✓"}),
     (SimulationProxy, lambda p: p.pause(), 1, {}),
     (SimulationProxy, lambda p: p.reset(), 2, {}),
@@ -49,6 +53,41 @@ def test_commands(proxy_class, act, subtype, values):
         assert messages.decode(heard.interf, CMD, subtype, heard.payload) == values
 
     talk_with(proxy_class, script, act)
+
+
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+RED, BLUE = (255, 255, 0, 0), (255, 0, 0, 255)  # alpha, red, green, blue
+DRAWINGS = [
+    (lambda p: p.draw_points(SQUARE), 2, {"color": RED}),
+    (lambda p: p.draw_polyline(np.array(SQUARE), 0x0000FF), 3, {"color": BLUE}),
+    (lambda p: p.draw_multiline(SQUARE, np.int64(255)), 5, {"color": BLUE}),
+    (lambda p: p.draw_polygon(SQUARE), 4, {"color": RED, "fill_color": RED, "filled": 0}),
+    (
+        lambda p: p.draw_polygon(SQUARE, fill=0x0000FF),
+        4,
+        {"color": RED, "fill_color": BLUE, "filled": 1},
+    ),
+]
+
+
+@pytest.mark.parametrize(("act", "subtype", "values"), DRAWINGS)
+def test_drawings(act, subtype, values):
+    def script(talk):
+        heard = talk.expect(Interface.GRAPHICS2D, CMD, subtype)
+        sent = messages.decode(heard.interf, CMD, subtype, heard.payload)
+        assert sent.pop("points").tolist() == [list(point) for point in SQUARE]
+        assert sent == values
+
+    talk_with(Graphics2dProxy, script, act)
+
+
+@pytest.mark.parametrize("color", ["red", -1, 0x1000000, 1.5, None, (255, 0, 0)])
+def test_what_is_no_colour_is_refused_before_it_is_sent(color):
+    def act(proxy):
+        with pytest.raises(ValueError, match="0xRRGGBB"):
+            proxy.draw_points(SQUARE, color)
+
+    talk_with(Graphics2dProxy, lambda talk: None, act)
 
 
 REQUESTS = [
@@ -227,3 +266,73 @@ def test_a_command_that_does_not_fit_is_refused_before_it_is_sent():
             proxy.set_speed("fast")
 
     talk_with(Position2dProxy, lambda talk: None, act)
+
+
+NUMERIC = [
+    # every call that takes numbers, with one of them left open
+    (Position2dProxy, lambda p, x: p.set_speed(x)),
+    (Position2dProxy, lambda p, x: p.set_speed(0.1, x)),
+    (Position2dProxy, lambda p, x: p.set_speed(0.1, vy=x)),
+    (Position2dProxy, lambda p, x: p.go_to(x, 0.0)),
+    (Position2dProxy, lambda p, x: p.go_to(0.0, 0.0, x)),
+    (Position2dProxy, lambda p, x: p.set_car(x, 0.1)),
+    (Position2dProxy, lambda p, x: p.set_car(0.1, x)),
+    (Position2dProxy, lambda p, x: p.set_velocity_heading(x, 0.1)),
+    (Position2dProxy, lambda p, x: p.set_velocity_heading(0.1, x)),
+    (Position2dProxy, lambda p, x: p.set_odometry(0.0, x, 0.0)),
+    (Position2dProxy, lambda p, x: p.set_velocity_mode(x)),
+    (Position2dProxy, lambda p, x: p.set_position_mode(x)),
+    (LaserProxy, lambda p, x: p.configure(LASER_CONFIG._replace(max_range=x))),
+    (RangerProxy, lambda p, x: p.configure(RANGER_CONFIG._replace(min_angle=x))),
+    (BlobfinderProxy, lambda p, x: p.set_tracking_color((0, x), (0, 1), (0, 1))),
+    (FiducialProxy, lambda p, x: p.set_id(x)),
+    (AioProxy, lambda p, x: p.set_output(0, x)),
+    (Graphics2dProxy, lambda p, x: p.draw_points([(0.0, x)])),
+    (Graphics2dProxy, lambda p, x: p.draw_polyline([(0.0, 0.0), (x, 0.0)])),
+    (Graphics2dProxy, lambda p, x: p.draw_polygon([(0.0, 0.0), (x, 0.0)], fill=0)),
+    (Graphics2dProxy, lambda p, x: p.draw_multiline([(0.0, 0.0), (x, 0.0)])),
+    (DioProxy, lambda p, x: p.set_output(x)),
+    (DioProxy, lambda p, x: p.set_output(1, x)),
+    (SimulationProxy, lambda p, x: p.set_pose2d("r2", (0.0, 0.0, x))),
+    (SimulationProxy, lambda p, x: p.set_pose3d("r2", (0.0, 0.0, 0.0, 0.0, 0.0, x))),
+    (SimulationProxy, lambda p, x: p.set_property("r2", "color", b"red", x)),
+    (SimulationProxy, lambda p, x: p.report("speed", [x])),
+]
+
+
+@pytest.mark.parametrize(
+    "number", [math.nan, math.inf, -math.inf, np.float64("nan"), np.float32("inf"), 10**400]
+)
+@pytest.mark.parametrize(("proxy_class", "act"), NUMERIC)
+def test_what_is_no_finite_number_is_refused_at_the_call(proxy_class, act, number):
+    def try_it(proxy):
+        if isinstance(number, int) and proxy_class is SimulationProxy:
+            return  # JSON carries whole numbers of any length
+        with pytest.raises(ValueError):  # noqa: PT011 - each has words of its own
+            act(proxy, number)
+
+    def script(talk):
+        """Nothing may have been sent: whoever hears anything here has failed."""
+        with pytest.raises(EOFError):
+            talk.hear()
+
+    talk_with(proxy_class, script, try_it)
+
+
+@pytest.mark.parametrize("text", ["fast", None, 1j, [1.0, 2.0]])
+def test_what_is_no_number_at_all_is_refused_at_the_call(text):
+    def act(proxy):
+        for call in (proxy.set_speed, lambda x: proxy.set_car(x, 0), lambda x: proxy.go_to(0, x)):
+            with pytest.raises(ValueError, match=r"set_speed|velocity|pos"):
+                call(text)
+
+    talk_with(Position2dProxy, lambda talk: None, act)
+
+
+def test_large_finite_numbers_go_out_as_they_are():
+    def script(talk):
+        heard = talk.expect(Interface.POSITION2D, CMD, 1)
+        sent = messages.decode(4, CMD, 1, heard.payload)
+        assert sent["vel"] == (1e308, -1e308, 1e308)
+
+    talk_with(Position2dProxy, script, lambda p: p.set_speed(1e308, 1e308, vy=-1e308))

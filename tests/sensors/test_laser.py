@@ -98,6 +98,8 @@ def test_noise_repeats_with_the_seed_and_differs_between_seeds_robots_and_ticks(
         ({"range": float("nan")}, "range"),
         ({"range": float("inf")}, "range"),
         ({"range": "20"}, "range"),
+        ({"min_range": -0.1}, "min_range"),
+        ({"min_range": "1"}, "min_range"),
         ({"noise": -0.1}, "noise"),
         ({"pose": [0, 0]}, "pose"),
         ({"sample": 5}, "sample"),
@@ -107,3 +109,17 @@ def test_impossible_settings_are_mistakes_at_their_key(mistake, where):
     with pytest.raises(ValidationError) as caught:
         settings_for({"type": "laser"} | mistake)
     assert caught.value.errors()[0]["loc"][0] == where
+
+
+@pytest.mark.parametrize("kind", ["laser", "ranger"])
+@pytest.mark.parametrize("least", [5.0, 6.0])
+def test_a_least_range_that_leaves_nothing_to_measure_is_a_mistake(kind, least):
+    with pytest.raises(ValidationError, match="min_range must be below range"):
+        settings_for({"type": kind, "range": 5.0, "min_range": least})
+
+
+def test_noise_too_can_bring_a_reading_below_the_least_range():
+    """One rule: what would read less than min_range reads 0; nothing else changes."""
+    plain, blind = noisy(0.5), noisy(0.5, min_range=1.9)
+    np.testing.assert_array_equal(blind, np.where(plain < 1.9, 0.0, plain))
+    assert 0 < (blind[:, 0] == 0.0).sum() < len(blind)

@@ -35,7 +35,9 @@ class Stub:
 
 @contextlib.contextmanager
 def stub_server(
-    devices: dict[DeviceAddr, list[tuple[int, bytes]]], rounds: int = 1 << 30
+    devices: dict[DeviceAddr, list[tuple[int, bytes]]],
+    rounds: int = 1 << 30,
+    driver: str = "stub_{index}",
 ) -> Iterator[Stub]:
     """Serve devices: each sends its messages (subtype, payload) in every round.
 
@@ -43,7 +45,7 @@ def stub_server(
     """
     stub = Stub()
     stop, waker = socket.socketpair()
-    directory = Directory({addr: f"stub_{addr.index}" for addr in devices})
+    directory = Directory({addr: driver.format(index=addr.index) for addr in devices})
 
     def serve() -> None:
         done = 0

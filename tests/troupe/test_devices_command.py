@@ -30,6 +30,21 @@ def test_every_device_is_listed_with_its_driver_in_the_servers_order() -> None:
     assert [row.split() for row in rows] == [["laser:3", "stub_3"], ["position2d:0", "stub_0"]]
 
 
+def test_what_a_server_says_of_itself_commands_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not even a line of its own: one line per device, and every control character is written."""
+    evil = "\x1b]0;title\x07\x1b[2J\n  fake:0  line\r\u202e\x9b31m"
+    banner = b"Player v.\x1b[31m\x1b]0;B\x07\x9b\n\x7f".ljust(32, b"\0")
+    monkeypatch.setattr("player.outbox.BANNER", banner)
+    with stub_server({DeviceAddr(Interface.LASER, 0): []}, driver=evil) as stub:
+        done = run(stub.name)
+    assert done.exit_code == 0, done.stderr
+    first, second = done.stdout.removesuffix("\n").split("\n")
+    assert first == f"{stub.name}: Player v.\\x1b[31m\\x1b]0;B\\x07\\x9b\\n\\x7f"
+    assert second.split(maxsplit=1)[0] == "laser:0"
+    assert second.endswith("\\x1b]0;title\\x07\\x1b[2J\\n  fake:0  line\\r\\u202e\\x9b31m")
+    assert (first + second).isprintable()
+
+
 def test_a_port_without_devices_says_so() -> None:
     with stub_server({}) as stub:
         assert "no devices" in run(stub.name).stdout
@@ -51,7 +66,12 @@ def test_where_nobody_listens_the_message_says_so_and_the_code_is_2() -> None:
 
 
 @pytest.mark.parametrize(
-    "greeting", [b"SSH-2.0-OpenSSH_9.6\r\n", b"HTTP/1.0 400 Bad Request\r\n\r\n"]
+    "greeting",
+    [
+        b"SSH-2.0-OpenSSH_9.6\r\n",
+        b"HTTP/1.0 400 Bad Request\r\n\r\n",
+        b"\x1b[2J\x1b]0;title\x07\x9b31mgone\r\n".rjust(40),
+    ],
 )
 def test_another_kind_of_server_is_named_with_what_it_said(greeting: bytes) -> None:
     with rude_server(greeting) as server:
@@ -59,6 +79,7 @@ def test_another_kind_of_server_is_named_with_what_it_said(greeting: bytes) -> N
     assert done.exit_code == 2
     assert "no Player server" in done.stderr
     assert greeting[:7].decode() in done.stderr
+    assert done.stderr.removesuffix("\n").isprintable()
 
 
 def test_a_server_that_says_nothing_is_given_up_after_the_timeout() -> None:

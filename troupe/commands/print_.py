@@ -14,6 +14,7 @@ import typer
 
 from player import DeviceAddr, MessageType, PlayerClient, PlayerError, Proxy, XdrError, messages
 from player.codes import Interface
+from player.printable import printable
 from troupe.commands.devices import ServerArgument, TimeoutOption, connect
 
 Reading = tuple[float, int, bytes]
@@ -136,7 +137,7 @@ def short(value: Any) -> str:
             else " ".join(map(short, value))
         )
         return f"({len(value)}) [{inside}]"
-    return str(value)
+    return printable(str(value))
 
 
 def plain(value: Any) -> Any:

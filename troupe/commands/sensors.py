@@ -2,21 +2,56 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 
-def sensors() -> None:
-    """Print the sensors and actuators, their settings, defaults and units."""
+READ_BY = {
+    "scan": "LaserProxy",
+    "elements": "RangerProxy",
+    "intensities": "RangerProxy",
+    "blobs": "BlobfinderProxy",
+    "fiducials": "FiducialProxy",
+    "bits": "BumperProxy",
+    "scalars": "AioProxy",
+}
+"""Which proxy a program reads a kind of readings with."""
+
+
+def sensors(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[FILE.py]...", help="Sensors of your own, instead of Troupe's."),
+    ] = None,
+) -> None:
+    """Print the sensors and actuators, their settings, defaults and units.
+
+    With files of sensors of one's own, print those: what a world file may say of each, and by which
+    of Player's interfaces a program reads it. Exit code 2 if a file is no sensor.
+    """
     from pydantic_core import PydanticUndefined  # noqa: PLC0415 - other commands stay quick
     from rich.console import Console  # noqa: PLC0415
 
-    from sensors.registry import describe  # noqa: PLC0415
+    from sensors.registry import describe, load_file  # noqa: PLC0415
     from sim.worldfile.models import Sprayer  # noqa: PLC0415
 
     console = Console(highlight=False, markup=False)
+    if files:
+        try:
+            own = [load_file(file) for file in files]
+        except ValueError as error:
+            print(error, file=sys.stderr)
+            raise typer.Exit(2) from None
+        for file, entry in zip(files, describe(own), strict=True):
+            title = f"{entry['summary']} (type: {file}; read by {READ_BY[entry['kind']]})"
+            console.print(_table("sensor", entry["name"], title, entry["settings"]))
+        return
     for entry in describe():
         console.print(_table("sensor", entry["name"], entry["summary"], entry["settings"]))
     rows = [
