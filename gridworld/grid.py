@@ -77,10 +77,17 @@ class Outcome:
         """Whether the run completed: every cell holds a settled robot."""
         return self.outcome == "completed"
 
+    @property
+    def energy(self) -> NDArray[np.int32]:
+        """(n,) E_i of the later paper: steps of activity, the one in which it settled as well."""
+        energy: NDArray[np.int32] = self.travel + (self.settled > 0).astype(np.int32)
+        return energy
+
     def figures(self) -> dict[str, Any]:
         """The run in figures, as plain data for JSON.
 
-        Travel counts pauses, as the paper defines it; moves do not, as its table 1 does.
+        Travel counts pauses, as the paper defines it; moves do not, as its table 1 does. Energy
+        counts the step in which a robot settles too, as the later paper does.
         """
         return {
             "outcome": self.outcome,
@@ -90,6 +97,8 @@ class Outcome:
             "max_travel": int(self.travel.max(initial=0)),
             "total_moves": int(self.moves.sum(dtype=np.int64)),
             "max_moves": int(self.moves.max(initial=0)),
+            "total_energy": int(self.energy.sum(dtype=np.int64)),
+            "max_energy": int(self.energy.max(initial=0)),
             "sum_of_distances": self.sum_of_distances,
             "max_distance": self.max_distance,
             "collisions": self.collisions,

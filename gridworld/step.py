@@ -106,11 +106,20 @@ def _advance(
                         seen |= 1 << (20 + k)
                 seen |= np.int64(left_to[cell]) << 24
                 by = first_by[cell]
-                if by == BY_DOOR or cells[cell - offsets[by]] != FREE:
+                parent = cell if by == BY_DOOR else cell - offsets[by]
+                if by == BY_DOOR or cells[parent] != FREE:
                     seen |= 1 << 27
+                by = first_by[parent]
+                if by == BY_DOOR or cells[parent - offsets[by]] != FREE:
+                    seen |= 1 << 28
             if dice:
                 seen |= (draw(seed, robot + 1, step, chance.DIE) >> 16) << 32
             next_state[place], next_move[place] = rule(state[robot], seen)
+            if talk and next_move[place] < rules.STAY:
+                # It tells the others where it goes: that cell is new to nobody after it.
+                wanted = cell + offsets[next_move[place]]
+                if cells[wanted] == FREE and first_by[wanted] == NOBODY:
+                    first_by[wanted] = next_move[place]
 
         # Take the wanted cells. Of several robots the one that came in first gets a cell.
         for place in range(at_work):
@@ -154,8 +163,6 @@ def _advance(
                 cell += offsets[move]
                 position[robot] = cell
                 moves[robot] += 1
-                if talk and first_by[cell] == NOBODY:
-                    first_by[cell] = move
             active[still_at_work] = robot
             still_at_work += 1
         at_work = still_at_work

@@ -1,5 +1,6 @@
 """The studies behind docs/results/fcdfs.md: rows of figures, from many runs on the grid."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,16 +24,41 @@ TABLE_1 = {
 """Table 1 of the paper, total (maximal) travel without pauses for DFLF, BFLF and FCDFS. Its
 second to fourth row are of the environments of figures 5, 6 and 9, in whose place ours stand."""
 
+TABLE_2 = {
+    "labyrinth": {
+        ("fcdfs", 0.0): (669, 35103, 35772, 1338),
+        ("light", 0.25): (669, 35103, 69092, 2565),
+        ("light", 0.5): (669, 35103, 118658, 4350),
+        ("bflf", 0.0): (669, 39649, 122787, 1338),
+        ("dflf", 0.0): (669, 91959, 92628, 1338),
+    },
+    "flat": {
+        ("fcdfs", 0.0): (277, 5909, 6186, 554),
+        ("light", 0.25): (277, 5909, 11783, 1027),
+        ("light", 0.5): (277, 5909, 20001, 1725),
+        ("bflf", 0.0): (277, 7313, 28358, 554),
+        ("dflf", 0.0): (277, 17214, 17491, 554),
+    },
+}
+"""Table II of the later paper, "Time, Travel, and Energy in the Uniform Dispersion Problem" (2024):
+per environment, rule and q, its cells, total travel, total energy and makespan. In place of its
+figures 4 and 5 stand regions of ours of the same distances, but of more cells."""
+
 
 @dataclass(frozen=True)
 class Row:
-    """Means over runs of one rule in one region; `spread` is the standard deviation of `moves`."""
+    """Means over runs of one rule in one region; `spread` is the standard deviation of `moves`.
+
+    `steps` is the step in which the last robot settles, the makespan of the later paper.
+    """
 
     moves: float
     most_moves: float
     travel: float
     most_travel: float
+    energy: float
     makespan: float
+    steps: float
     spread: float
 
 
@@ -55,9 +81,9 @@ def table_region(name: str) -> Region:
     return load(MAPS / f"{name}.txt")
 
 
-def averages(region: Region, rule: str, runs: int) -> Row:
+def averages(region: Region, rule: str, runs: int, q: float = 0.0) -> Row:
     """Means over runs with seeds 0, 1, ... Raises RuntimeError if a run does not complete."""
-    outcomes = [simulate(region, rule, seed=seed) for seed in range(runs)]
+    outcomes = [simulate(region, rule, seed=seed, q=q) for seed in range(runs)]
     if not all(outcome.all_settled for outcome in outcomes):
         raise RuntimeError(f"{rule} did not complete")
     moves = [outcome.moves.sum() for outcome in outcomes]
@@ -66,7 +92,9 @@ def averages(region: Region, rule: str, runs: int) -> Row:
         most_moves=float(np.mean([outcome.moves.max() for outcome in outcomes])),
         travel=float(np.mean([outcome.travel.sum() for outcome in outcomes])),
         most_travel=float(np.mean([outcome.travel.max() for outcome in outcomes])),
+        energy=float(np.mean([outcome.energy.sum() for outcome in outcomes])),
         makespan=float(np.mean([outcome.makespan or 0 for outcome in outcomes])),
+        steps=float(np.mean([outcome.steps for outcome in outcomes])),
         spread=float(np.std(moves)),
     )
 
@@ -100,6 +128,14 @@ def with_doors(regions: Sequence[Region], rule: str, doors: int, conflict: str) 
         cells = [(int(column), int(row)) for row, column in chosen]
         outcomes.append(simulate(region.with_doors(cells), rule, seed=seed, conflict=conflict))
     return _share(outcomes, [2 * outcome.cells / doors for outcome in outcomes])
+
+
+def most_entries(q: float) -> float:
+    """alpha of the later paper: robots that can come in per step, on average and for long.
+
+    Where each of them wakes with probability p = 1 - q, it is (1 - sqrt(1 - p)) / 2.
+    """
+    return (1.0 - math.sqrt(q)) / 2.0
 
 
 def exhaust(cells: int, rule: str) -> tuple[int, int, int]:

@@ -145,10 +145,10 @@ class Engine:
         self.context.carry_out()
         self.settle()
         self.reset()
-        self.scenery.stage.tick()
+        ways = self.scenery.stage.tick(self.sprayers.carriers(self.context))
         self.ticks += 1
         self.context.time = self.time
-        self.sprayers.mark(self.context)
+        self.sprayers.mark(self.context, ways)
         self.open_doors()
         self.sense()
         self.switchboard.stamp(self.time)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.devices.device import Context
 from sim.worldfile.schema import Sprayer
@@ -16,23 +17,27 @@ class Sprayers:
 
     def __init__(self) -> None:
         self.mounts: dict[tuple[int, int], Sprayer] = {}
+        self.on: list[tuple[int, int]] = []
         self.were_on = False
 
     def add(self, robot: int, index: int, sprayer: Sprayer) -> None:
         self.mounts[(robot, index)] = sprayer
 
-    def mark(self, context: Context) -> None:
-        """Paint under the sprayers that are on."""
-        on = sorted(key for key, is_on in context.spraying.items() if is_on)
+    def carriers(self, context: Context) -> NDArray[np.int64]:
+        """(k,) The robots whose sprayers are on in the coming tick, one per sprayer."""
+        self.on = sorted(key for key, is_on in context.spraying.items() if is_on)
+        return np.array([robot for robot, _ in self.on], np.int64)
+
+    def mark(self, context: Context, ways: NDArray[np.float64]) -> None:
+        """Paint under the sprayers that are on, on the ways (k, m, 3) of their carriers."""
+        on = self.on
         if not on and not self.were_on:
             return
         self.were_on = bool(on)
-        floor = context.floor
-        robots = np.array([robot for robot, _ in on], np.int64)
-        floor.spray(
+        context.floor.spray(
             np.array([MOST_PER_ROBOT * robot + index for robot, index in on], np.int64),
-            robots,
-            context.stage.poses[robots].reshape(-1, 3),
+            np.array([robot for robot, _ in on], np.int64),
+            ways,
             np.array([self.mounts[key].size for key in on], float).reshape(-1, 2),
             np.array([self.mounts[key].offset for key in on], float).reshape(-1, 2),
         )

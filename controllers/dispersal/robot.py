@@ -46,7 +46,9 @@ def parse() -> argparse.Namespace:
     """The program's options."""
     options = argparse.ArgumentParser(prog="fcdfs", description=__doc__)
     rules = [name for name in RULES if not SENSES.get(name, 0) & TALK]
-    options.add_argument("--rule", choices=rules, default="fcdfs5", help="what to do in a step")
+    options.add_argument(
+        "--rule", choices=rules, default="fcdfs5", help="what to do in a step; light is AsynchFCDFS"
+    )
     options.add_argument("--cell", type=float, default=1.5, help="width of a cell in metres")
     options.add_argument("--body", type=float, default=1.0, help="width of a body in metres")
     options.add_argument("--period", type=float, default=4.0, help="seconds per step")

@@ -1,7 +1,8 @@
 """Rules of uniform dispersal: plain functions from (state, seen) to (state, move), on integers.
 
 Sources: Amir and Bruckstein, "Minimizing Travel in the Uniform Dispersal Problem for Robotic
-Sensors" (AAMAS 2019), called "the paper" below; Hsiang, Arkin, Bender, Fekete and Mitchell,
+Sensors" (AAMAS 2019), called "the paper" below, and "Time, Travel, and Energy in the Uniform
+Dispersion Problem" (2024), "the later paper"; Hsiang, Arkin, Bender, Fekete and Mitchell,
 "Algorithms for Rapidly Dispersing Robot Swarms in Unknown Environments" (WAFR 2002).
 
 This module imports nothing and no rule calls another function: a robot calls a rule, and the grid
@@ -18,11 +19,14 @@ Directions: 0 up, 1 right, 2 down, 3 left; clockwise is + 1 modulo 4. A move is 
     0-3    the cell up, right, down, left is occupied (a wall or a robot, nobody knows which)
     4-7    the diagonal cell up-right, right-down, down-left, left-up is occupied
     8-15   in that one of the eight cells stands an active robot, its light off       (LIGHTS)
-    16-19  nobody has been in the cell up, right, down, left yet                      (TALK)
+    16-19  nobody has been in the cell up, right, down, left yet, and nobody who came
+           in earlier goes there in this step                                         (TALK)
     20-23  that cell was first entered from this one: it is a child of this cell      (TALK)
     24-26  1 + the direction in which a robot last left this cell, 0: nobody has      (TALK)
     27     in the cell from which this one was first entered stands a robot; true at
            the door                                                                  (TALK)
+    28     in the cell from which that cell was first entered stands a robot; true if
+           that cell is the door                                                     (TALK)
     32-47  a die: uniform in [0, 65536)                                               (DICE)
 """
 
@@ -195,10 +199,11 @@ def left_hand(state: int, seen: int) -> tuple[int, int]:
 
 
 def light(state: int, seen: int) -> tuple[int, int]:
-    """FCDFS for robots that miss steps, with one visible bit: a light, on when settled (LIGHTS).
+    """Asynchronous FCDFS (AsynchFCDFS of the later paper): robots miss steps (LIGHTS).
 
-    The robot decides on walls and settled robots alone, which makes the test of the diagonal
-    plain, and waits while the cell it wants holds an active robot (section 5 asks for such a rule).
+    Each has one visible bit: a light, on when it has settled. The robot decides on walls and
+    settled robots alone, which makes the test of the diagonal plain, and waits while the cell it
+    wants holds an active robot (section 5 asks for such a rule).
 
     State: bits 3-4 the primary direction; 5-7 the last move, as 1 + direction, 0 for none.
     """
@@ -259,19 +264,23 @@ def dflf(state: int, seen: int) -> tuple[int, int]:
 def bflf(state: int, seen: int) -> tuple[int, int]:
     """Breadth-First Leader-Follower of Hsiang et al., by interpretation (LIGHTS, TALK, DICE).
 
-    Every cell is the child of the cell from which it was first entered. A robot moves only while
-    the parent of its cell is filled, so the swarm spreads on all fronts without leaving gaps: to
-    a random cell among the neighbours where nobody has been and the empty children. It settles
-    when no neighbour is new and every child has settled. Of several robots that want one new cell
-    one goes, the others stay: robots in this model can talk.
+    Every cell is the child of the cell from which it was first entered. A robot goes to a cell
+    where nobody has been, or else to an empty child, to any of several by chance; but only while a
+    robot stands in the parent of its cell, or in the parent's parent. So the swarm spreads on all
+    fronts and no front runs ahead of it. A robot settles when no neighbour is new and every child
+    has settled.
+
+    To wait never delays the entry. Robots come in, and so follow each other, two cells apart:
+    who waits goes on when the next one is two cells behind, and has left when that one arrives,
+    unless it has nowhere to go; then nobody in that part of the region has.
 
     State: bits 3-4 the heading.
     """
     new, children = (seen >> 16) & 15, (seen >> 20) & 15
     if new == 0 and children & (~seen | seen >> 8) == 0:
         return state, SETTLE
-    wanted = new | (children & ~seen)
-    if wanted == 0 or (seen >> 27) & 1 == 0:
+    wanted = new if new else children & ~seen
+    if wanted == 0 or (seen >> 27) & 3 == 0:
         return state, STAY
     count = (wanted & 1) + (wanted >> 1 & 1) + (wanted >> 2 & 1) + (wanted >> 3)
     choice = ((seen >> 32 & 65535) * count) >> 16

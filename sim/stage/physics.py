@@ -15,6 +15,7 @@ from sim.stage.contacts import Touches
 from sim.stage.geometry import Floats, outline, reach
 from sim.stage.layout import Layout
 from sim.stage.records import mover
+from sim.stage.trace import Trace
 
 ITERATIONS = 15
 """Rounds of the solver where bodies may meet; one does where none can."""
@@ -133,10 +134,13 @@ class Physics:
         rank = np.argsort(names_of_all)
         touches.rename(names_of_all[rank], things[rank])
 
-    def step(self, piece: float, cuts: int, touches: Touches | None) -> None:
+    def step(
+        self, piece: float, cuts: int, touches: Touches | None, trace: Trace | None = None
+    ) -> None:
         """Write the table's orders, make `cuts` steps of `piece` seconds, and read the table.
 
-        touches: gathers what touches; None where nothing can.
+        touches: gathers what touches; None where nothing can. trace: notes where bodies are after
+        each piece.
         """
         self.table.write()
         iterations = 1 if touches is None else ITERATIONS
@@ -148,7 +152,11 @@ class Physics:
                 touching = self._contacts.read()
                 if touching is not None:
                     touches.add(touching)
-        self.table.read()
+            if trace is not None:
+                self.table.read()
+                trace.note()
+        if trace is None:
+            self.table.read()
 
     def poses(self, count: int) -> Floats:
         """Poses (count, 3) of the first movers: x, y, yaw as Chipmunk counts it."""

@@ -17,6 +17,7 @@ from sim.stage.layout import Layout
 from sim.stage.meeting import CALM, look_around
 from sim.stage.physics import Physics, pose_of
 from sim.stage.records import CAR, MOVER
+from sim.stage.trace import NO_WAYS, NOBODY, Trace
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
@@ -168,8 +169,11 @@ class Stage:
 
     # --- time
 
-    def tick(self) -> None:
+    def tick(self, traced: NDArray[np.int64] = NOBODY) -> Floats:
         """Let one interval of the clock go by.
+
+        Returns the ways (k, m, 3) of the robots `traced` (k,): x, y and yaw, not wrapped, at the
+        beginning and after each piece of the physics, in which bodies move and turn evenly.
 
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
@@ -182,6 +186,9 @@ class Stage:
             physics.table.state, movers, count, order, clear.cells, clear.cell, self._interval
         ):
             self._attach()
+        trace = (
+            Trace(physics.table, movers["row"][self._movables + traced]) if len(traced) else None
+        )
         for _ in range(self._steps):
             state = physics.table.state
             drive.want(state, movers, count, dt)
@@ -191,13 +198,14 @@ class Stage:
             )  # fmt: skip
             piece = dt / max(1, cuts)
             drive.lead(state, physics.table.orders, movers, count, dt, piece)
-            physics.step(piece, max(1, cuts), self._touches if cuts else None)
+            physics.step(piece, max(1, cuts), self._touches if cuts else None, trace)
             drive.account(state, movers, count, dt)
         drive.report(
             physics.table.state, movers, self._movables, count, self._interval, self._poses,
             self._velocities, self._distances, self._stalls,
         )  # fmt: skip
         self._touches.finish(self._contact_counts)
+        return NO_WAYS if trace is None else trace.ways()
 
     def _attach(self) -> None:
         """Give joints to robots that may meet something, and take them from those far off."""

@@ -36,7 +36,9 @@ def disperse(
             "may be given several times. 'best': where total travel is least.",
         ),
     ] = None,
-    rule: Annotated[str, typer.Option(help=f"One of {', '.join(RULES)}.")] = "fcdfs",
+    rule: Annotated[
+        str, typer.Option(help=f"One of {', '.join(RULES)}. light is AsynchFCDFS.")
+    ] = "fcdfs",
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="For all chance.")] = 0,
     q: Annotated[float, typer.Option(help="Probability that a robot misses a step.")] = 0.0,
     conflict: Annotated[
