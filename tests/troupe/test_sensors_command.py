@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 
 from sensors.readings import KINDS
 from tests.troupe.own_sensor import example
-from troupe.sensors_command import READ_BY, sensors
+from troupe.commands.sensors import READ_BY, sensors
 
 app = typer.Typer()
 app.command()(sensors)
