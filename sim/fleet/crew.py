@@ -26,7 +26,7 @@ from sim.devices.switchboard import Port, Switchboard
 from sim.fleet.clocks import Clocks
 from sim.fleet.driver import Driver
 from sim.fleet.fleet import Fleet, Launch
-from sim.fleet.origin import is_from
+from sim.fleet.origin import origin
 from sim.fleet.patience import Patience, hint
 from sim.result import ControllerState
 
@@ -85,6 +85,7 @@ class Crew:
         if port is not None:
             ours, theirs = socket.socketpair()
             driver.connection = self.server.adopt(ours, port.directory, peer=driver.record.name)
+            self.clocks.join(driver.connection, driver, drives=False)
         driver.environment = environment
         self.fleet.start(driver.robot, driver.record.name, launch, environment, theirs)
 
@@ -198,7 +199,9 @@ class Crew:
                 assert isinstance(event, Unsubscribed)
                 device = self.switchboard.unsubscribe(connection, event.addr)
                 if event.addr.interf == Interface.POSITION2D:
-                    self.release(connection, self.drivers[device.robot])
+                    driver = self.drivers[device.robot]
+                    self.clocks.undrive(connection, driver)
+                    self.release(connection, driver)
             elif kind is ModeChanged:
                 for driver in self.clocks.driven.get(connection, {}).values():
                     self.clocks.choose(driver)
@@ -209,7 +212,7 @@ class Crew:
                 pass
 
     def first_reading(self, connection: Connection) -> None:
-        """A controller that reads without driving has no clock: it looks on from now on."""
+        """A program may read what is not its robot's own; an outsider that does, looks on."""
         if connection in self.clocks.driven:
             return
         for robot in self.switchboard.port(connection).robots:
@@ -218,7 +221,11 @@ class Crew:
                 continue
             if driver.kind == "external" and driver.drives:
                 continue  # its client is the one that will drive it
-            if self.is_own(driver, connection):
+            if not self.is_own(driver, connection):
+                continue
+            if driver.launched:
+                self.clocks.join(connection, driver, drives=False)
+            else:
                 self.clocks.has_asked(driver)
 
     def is_own(self, driver: Driver, connection: Connection) -> bool:
@@ -227,27 +234,27 @@ class Crew:
             return driver.running and connection is driver.connection
         if driver.kind == "command":
             if connection not in driver.origins:
-                driver.origins[connection] = is_from(connection, driver.environment)
-            return driver.running and driver.origins[connection]
+                driver.origins[connection] = origin(connection, driver.environment)
+            return driver.running and driver.origins[connection] != 0
         return driver.kind == "external"
 
     def subscribed(self, connection: Connection, event: Subscribed) -> None:
-        """A connection has subscribed a device; with the drive it may have become the clock."""
+        """A connection has subscribed a device; it may be one of the robot's controller."""
         device = self.switchboard.subscribe(connection, event.addr)
         driver = self.drivers[device.robot]
-        if event.addr.interf == Interface.POSITION2D and self.is_own(driver, connection):
+        drives = event.addr.interf == Interface.POSITION2D
+        if (drives or driver.launched) and self.is_own(driver, connection):
             if driver.kind == "external" and driver.record.state in ("lost", "hung"):
                 driver.record.state, driver.record.error = "running", None
                 self.say(f"{driver.record.name}: a client has come ({connection.peer})")
-            self.clocks.join(connection, driver)
-        if connection in driver.clocks or not driver.drives or connection is driver.connection:
+            self.clocks.join(connection, driver, drives)
+        if connection in driver.clocks or not (driver.drives or driver.launched):
             devices = self.switchboard.port(connection).devices
             own = [a for a in connection.session.subscribed if devices[a].robot == driver.robot]
             note_devices(driver, map(str, own))
 
     def release(self, connection: Connection, driver: Driver) -> None:
         """A connection does not drive a robot any more."""
-        self.clocks.leave(connection, driver)
         if driver.commander is connection:
             driver.commander = None
             self.stop(driver.robot)
@@ -265,6 +272,7 @@ class Crew:
             alone = all(other is connection for other in driver.clocks)
             ends = left and alone and driver.launched and driver.running
             driver.ending |= ends
+            self.clocks.leave(connection, driver)
             self.release(connection, driver)
             if ends:
                 # which comes first, the end of the connection or that of the process, must not

@@ -45,11 +45,7 @@ def hint(behind: Iterable[Driver], drivers: Iterable[Driver], now: float) -> str
     ]
     if not late:
         return None
-    waiting = {
-        host(driver)
-        for driver in drivers
-        if driver.clock is not None and driver.clock.session.waiting
-    }
+    waiting = {host(driver) for driver in drivers if driver.asking}
     for driver in late:
         if host(driver) in waiting:
             return (
