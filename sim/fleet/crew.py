@@ -8,6 +8,7 @@ wait for a controller that hangs.
 from __future__ import annotations
 
 import socket
+import traceback
 from collections.abc import Callable, Iterable
 from time import monotonic
 from typing import Literal
@@ -61,6 +62,7 @@ class Crew:
         self.stop = stop
         self.say = say
         self.drivers: list[Driver] = []
+        self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.interrupted = False
         self.waiting = False  # for clients: a signal that comes now need not break off anything
         self.paused: Callable[[], bool] = lambda: False
@@ -165,6 +167,10 @@ class Crew:
             self.say(f"{name}: {error}; it stands still")
         else:
             self.say(f"{name}: hung: nothing for {waited:.0f} s, its robot stops")
+        self.abandon(driver, error)
+
+    def abandon(self, driver: Driver, error: str) -> None:
+        """Wait for a controller no more: end its process, close its connections."""
         if driver.launched:
             self.fleet.kill(driver.robot)
         for connection in [driver.connection, *driver.clocks]:
@@ -177,39 +183,63 @@ class Crew:
     def take(self, events: Iterable[tuple[Connection, ServerEvent]]) -> None:
         """Obey and answer what clients have sent."""
         for connection, event in events:
-            kind = type(event)
-            if kind is DataRequested:
-                assert isinstance(event, DataRequested)
-                if not event.served:
-                    self.clocks.asked(connection)
-                    if self.clocks.unasked:
-                        self.first_reading(connection)
-            elif kind is Command:
-                assert isinstance(event, Command)
-                device = self.switchboard.command(connection, event)
-                if event.addr.interf in MOVING:
-                    self.drivers[device.robot].commander = connection
-            elif kind is Request:
-                assert isinstance(event, Request)
-                self.switchboard.request(connection, event)
-            elif kind is Subscribed:
-                assert isinstance(event, Subscribed)
-                self.subscribed(connection, event)
-            elif kind is Unsubscribed:
-                assert isinstance(event, Unsubscribed)
-                device = self.switchboard.unsubscribe(connection, event.addr)
-                if event.addr.interf == Interface.POSITION2D:
-                    driver = self.drivers[device.robot]
-                    self.clocks.undrive(connection, driver)
-                    self.release(connection, driver)
-            elif kind is ModeChanged:
-                for driver in self.clocks.driven.get(connection, {}).values():
-                    self.clocks.choose(driver)
-            elif kind is Disconnected:
-                assert isinstance(event, Disconnected)
-                self.disconnected(connection, event.reason)
-            elif kind is Connected:
-                pass
+            if connection in self.expelled:
+                continue
+            try:
+                self.obey(connection, event)
+            except Exception as error:
+                self.expel(connection, error)
+
+    def obey(self, connection: Connection, event: ServerEvent) -> None:
+        """Obey or answer one message, or take note of where a connection has come to."""
+        kind = type(event)
+        if kind is DataRequested:
+            assert isinstance(event, DataRequested)
+            if not event.served:
+                self.clocks.asked(connection)
+                if self.clocks.unasked:
+                    self.first_reading(connection)
+        elif kind is Command:
+            assert isinstance(event, Command)
+            device = self.switchboard.command(connection, event)
+            if event.addr.interf in MOVING:
+                self.drivers[device.robot].commander = connection
+        elif kind is Request:
+            assert isinstance(event, Request)
+            self.switchboard.request(connection, event)
+        elif kind is Subscribed:
+            assert isinstance(event, Subscribed)
+            self.subscribed(connection, event)
+        elif kind is Unsubscribed:
+            assert isinstance(event, Unsubscribed)
+            device = self.switchboard.unsubscribe(connection, event.addr)
+            if event.addr.interf == Interface.POSITION2D:
+                driver = self.drivers[device.robot]
+                self.clocks.undrive(connection, driver)
+                self.release(connection, driver)
+        elif kind is ModeChanged:
+            for driver in self.clocks.driven.get(connection, {}).values():
+                self.clocks.choose(driver)
+        elif kind is Disconnected:
+            assert isinstance(event, Disconnected)
+            self.disconnected(connection, event.reason)
+        elif kind is Connected:
+            pass
+
+    def expel(self, connection: Connection, error: Exception) -> None:
+        """What a client has sent has led to an error of ours: it loses its connection, no more.
+
+        A controller that has lost it so is `lost` in the result, once its process has ended.
+        """
+        self.expelled.add(connection)
+        what = f"what it sent has led to an error in the simulator ({error!r})"
+        trace = "".join(traceback.format_exception(error)).rstrip()
+        self.say(f"{connection.peer}: {what}: its connection is closed\n{trace}")
+        if not connection.is_open:
+            return
+        for driver in self.clocks.driven.get(connection, {}).values():
+            driver.lost = what  # read when its process has ended, if that is ours
+        self.close(connection)
 
     def first_reading(self, connection: Connection) -> None:
         """A program may read what is not its robot's own; an outsider that does, looks on."""
@@ -297,7 +327,9 @@ class Crew:
             if not driver.running:
                 driver.record.exit_code = code
                 continue
-            if code == 0:
+            if driver.lost is not None:
+                self.end(driver, "lost", code, driver.lost)
+            elif code == 0:
                 self.end(driver, "finished", 0, None)
             else:
                 self.end(driver, "failed", code, self.describe(robot, code))

@@ -34,6 +34,8 @@ class Driver:
     """Those that the world waits for, until one of them waits for data: see `choose_readers`."""
     origins: dict[Connection, int] = field(default_factory=dict)
     """The process that a connection over TCP comes from, as far as asked; 0: not the robot's."""
+    lost: str | None = None
+    """Why its connection has been closed, though its process goes on."""
     commander: Connection | None = None
     """Who gave the last command, controller or not: when it goes away, the robot stops."""
 
