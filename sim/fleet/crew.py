@@ -66,6 +66,7 @@ class Crew:
         self.interrupted = False
         self.waiting = False  # for clients: a signal that comes now need not break off anything
         self.paused: Callable[[], bool] = lambda: False
+        self.paused_at = 0.0  # wall-clock time
         self.hinted = False
         self.look_at = 0.0  # when to look again who has used up the patience
         fleet.attach(server.watch, server.unwatch)
@@ -145,6 +146,8 @@ class Crew:
         if self.paused():
             for driver in behind:
                 driver.since = now
+            if self.patience.limit_of_pause(self.paused_at) <= now:
+                self.end_pause(now - self.paused_at)
             return
         if not self.hinted and not self.clocks.any_clock:
             line = hint(behind, self.clocks.clocked.values(), now)
@@ -168,6 +171,22 @@ class Crew:
         else:
             self.say(f"{name}: hung: nothing for {waited:.0f} s, its robot stops")
         self.abandon(driver, error)
+
+    def end_pause(self, waited: float) -> None:
+        """End whoever has paused the world for too long, unless it goes on in the meantime."""
+        pauser = self.switchboard.pauser
+        self.take(self.server.poll(0))
+        if pauser is None or self.switchboard.pauser is not pauser:
+            return
+        error = f"kept the world paused for {waited:.0f} s"
+        drivers = list(self.clocks.driven.get(pauser, {}).values())
+        for driver in drivers:
+            self.say(f"{driver.record.name}: hung: {error}, its robot stops")
+            self.abandon(driver, error)
+        if not drivers:
+            self.say(f"{pauser.peer}: {error}: its connection is closed")
+        if pauser.is_open:
+            self.close(pauser)
 
     def abandon(self, driver: Driver, error: str) -> None:
         """Wait for a controller no more: end its process, close its connections."""
@@ -201,7 +220,10 @@ class Crew:
                     self.first_reading(connection)
         elif kind is Command:
             assert isinstance(event, Command)
+            pauser = self.switchboard.pauser
             device = self.switchboard.command(connection, event)
+            if self.switchboard.pauser is not pauser:
+                self.paused_at = monotonic()
             if event.addr.interf in MOVING:
                 self.drivers[device.robot].commander = connection
         elif kind is Request:
