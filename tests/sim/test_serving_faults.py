@@ -182,7 +182,8 @@ json_values = st.recursive(
 )
 values = st.one_of(
     json_values.map(lambda value: json.dumps(value).encode()),
-    st.text("#-+_ 0123456789abcdefx", min_size=0, max_size=9).map(lambda t: f'"{t}"'.encode()),
+    st.text("-+_ 0123456789abcdef", min_size=6, max_size=6).map(lambda t: f'"#{t}"'.encode()),
+    st.sampled_from(NO_COLORS),
     st.sampled_from(
         [
             b"1e999",
@@ -252,6 +253,14 @@ def told(draw: st.DrawFn) -> bytes:
     )
 
 
+@st.composite
+def properties(draw: st.DrawFn) -> bytes:
+    """A property that there is, or that may be, set to anything whatever."""
+    name, key = draw(st.sampled_from(["one", "two"])), draw(st.sampled_from(["color", "k", "time"]))
+    payload = text(name) + text(key) + bytes(4) + octets(draw(values))
+    return message(SIMULATION, 0, REQ, 6, payload)
+
+
 class Filmed:
     """A run with a video, and the client that drives it while others say anything."""
 
@@ -294,7 +303,10 @@ def all_taken(client: RawClient) -> None:
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
-@given(data=st.lists(told(), max_size=10), robot=st.sampled_from(["one", "two"]))
+@given(
+    data=st.lists(st.one_of(told(), told(), properties()), max_size=10),
+    robot=st.sampled_from(["one", "two"]),
+)
 def test_whatever_devices_are_told_no_error_comes_of_it(
     filmed: Filmed, data: list[bytes], robot: str
 ) -> None:
