@@ -63,7 +63,6 @@ class Engine:
         self.interval = world.clock.interval
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
-        self.switchboard = Switchboard()
         self.sprayers = Sprayers()
         self.context = Context(
             self.scenery.stage,
@@ -74,6 +73,7 @@ class Engine:
             put=self.scenery.put,
             repaint=self.scenery.set_color,
         )
+        self.switchboard = Switchboard(self.context, self.say)
         self.crew = Crew(
             self.server,
             self.switchboard,
@@ -84,6 +84,7 @@ class Engine:
             say=self.say,
         )
         self.crew.paused = lambda: self.context.paused
+        self.context.failed = self.crew.expel
         self.entry = Entry(
             self.loaded,
             self.settings.seed,
@@ -152,7 +153,8 @@ class Engine:
         self.open_doors()
         self.sense()
         self.switchboard.stamp(self.time)
-        self.switchboard.publish(self.time)
+        for connection, error in self.switchboard.publish(self.time):
+            self.crew.expel(connection, error)
         self.server.flush()
         self.crew.next_round()
         self.record()

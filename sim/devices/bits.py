@@ -9,7 +9,7 @@ import numpy as np
 
 from player import DeviceAddr
 from player.codes import Interface
-from sim.devices.device import Context, Drawing, Refused, Values
+from sim.devices.device import FARTHEST, Context, Drawing, Refused, Values
 
 MAX_SAID = 10_000
 """Sentences kept of one robot."""
@@ -87,6 +87,12 @@ class Graphics2d:
             return
         fill = rgb(values["fill_color"]) if values.get("filled") else None
         points = np.array(values["points"], np.float64).reshape(-1, 2)[:MAX_POINTS]
+        if not np.isfinite(points).all():
+            what = f"graphics2d's {name} with points that are no numbers: nothing is drawn"
+            self.context.complain(self.robot, what)
+            return
+        far = np.abs(points).max(axis=1, initial=FARTHEST, keepdims=True)
+        points = np.clip(points * (FARTHEST / far), -FARTHEST, FARTHEST)  # in its direction
         drawings.append(Drawing(name, points, rgb(values["color"]), fill))
         del drawings[:-MAX_DRAWINGS]
         while sum(len(drawing.points) for drawing in drawings) > MAX_POINTS:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from player import DeviceAddr
+from player.server import Connection
 from sensors.odometry import Odometry
 from sensors.suite import Suite
 from sim.result import RobotRecord
@@ -21,11 +23,16 @@ Values = Mapping[str, Any]
 Action = Callable[[], None]
 
 FARTHEST = 1e6
-"""Metres, radians, and either per second: what a client gives beyond that is no robot's."""
+"""Metres, radians, and either per second: what a client commands beyond that is cut to it."""
 
 
 class Refused(Exception):
     """A request that the device does not grant: its client gets a NACK."""
+
+
+def raise_again(client: Connection, error: Exception) -> None:
+    """What becomes of a client's error where nobody is there to take it."""
+    raise error
 
 
 @dataclass
@@ -43,7 +50,9 @@ class Context:
     """The parts of a run that devices read and change.
 
     Reading is free at any time between two ticks; every change goes through `later`, so that it
-    is made in the engine's order and not in that of the messages' arrival.
+    is made in the engine's order and not in that of the messages' arrival. While a message is
+    handled, `client` is who has sent it; `failed(client, error)` is told of what an action raises
+    that a client has asked for.
     """
 
     stage: Stage
@@ -57,9 +66,14 @@ class Context:
     models: list[Model] = field(default_factory=list)  # by robot
     records: list[RobotRecord] = field(default_factory=list)
     robots: dict[str, int] = field(default_factory=dict)
+    client: Connection | None = None
+    failed: Callable[[Connection, Exception], None] = raise_again
+    complain: Callable[[int, str], None] = lambda robot, what: None  # of a message to a robot
     time: float = 0.0
     paused: bool = False
-    pending: dict[int, dict[Hashable, Action]] = field(default_factory=dict)
+    pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(
+        default_factory=dict
+    )
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     spraying: dict[tuple[int, int], bool] = field(default_factory=dict)  # (robot, sprayer)
     drawings: dict[int, list[Drawing]] = field(default_factory=dict)
@@ -79,15 +93,20 @@ class Context:
             key = action
         elif key in actions:
             del actions[key]
-        actions[key] = action
+        actions[key] = action, self.client
 
     def carry_out(self) -> None:
         """Call what `later` was given, robot by robot, each in the order of arrival."""
         while self.pending:
             pending, self.pending = self.pending, {}
             for robot in sorted(pending):
-                for action in pending[robot].values():
-                    action()
+                for action, client in pending[robot].values():
+                    try:
+                        action()
+                    except Exception as error:
+                        if client is None:
+                            raise
+                        self.failed(client, error)
         if self.twists:
             robots = np.array(list(self.twists), np.int64)
             self.stage.command(robots, np.array(list(self.twists.values())))
@@ -122,8 +141,29 @@ class Device(Protocol):
 
 
 def sane(*numbers: float) -> bool:
-    """Whether these are numbers that a robot can do something with: finite, and not absurd."""
+    """Whether these can be granted as they are: finite, and not absurd."""
     return all(-FARTHEST <= number <= FARTHEST for number in numbers)
+
+
+def finite(*numbers: float) -> bool:
+    """Whether these are numbers at all."""
+    return all(map(math.isfinite, numbers))
+
+
+def limited(number: float) -> float:
+    """A finite number, cut to what can be calculated with."""
+    return min(FARTHEST, max(-FARTHEST, number))
+
+
+def scaled(x: float, y: float) -> tuple[float, float]:
+    """Two finite numbers that go together, cut likewise: their ratio stays."""
+    most = max(abs(x), abs(y))
+    return (x, y) if most <= FARTHEST else (x * (FARTHEST / most), y * (FARTHEST / most))
+
+
+def heading(angle: float) -> float:
+    """A finite angle in radians; an absurd one without its whole turns."""
+    return angle if abs(angle) <= FARTHEST else math.remainder(angle, math.tau)
 
 
 def flat_pose(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> tuple[float, ...]:

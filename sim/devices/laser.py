@@ -13,7 +13,7 @@ from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Scans
 from sim.devices.batch import Encoders, told
-from sim.devices.device import Context, Refused, Values, flat_pose, sane
+from sim.devices.device import Context, Refused, Values, finite, flat_pose, limited
 from sim.devices.ranging import SENSOR_SIZE, RangingDevice
 
 HEAD = struct.Struct(">ffffII")
@@ -129,9 +129,11 @@ class Laser(RangingDevice):
         Angles are cut to the sensor's, the resolution is taken to whole steps between rays (0:
         as fine as it gets), and a range above the sensor's, or 0, is the sensor's.
         """
-        least, most, fine = wanted["min_angle"], wanted["max_angle"], wanted["resolution"]
-        reach = wanted["max_range"]
-        if not (sane(least, most, fine, reach) and least <= most and fine >= 0 and reach >= 0):
+        asked = [wanted[name] for name in ("min_angle", "max_angle", "resolution", "max_range")]
+        if not finite(*asked):
+            raise Refused
+        least, most, fine, reach = map(limited, asked)
+        if not (least <= most and fine >= 0 and reach >= 0):
             raise Refused
         scans = self.scans
         right, own = -scans.fov / 2, scans.resolution

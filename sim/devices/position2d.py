@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.codes import Interface
-from sim.devices.device import Context, Refused, Values, flat_pose, sane
+from sim.devices.device import (
+    Context,
+    Refused,
+    Values,
+    finite,
+    flat_pose,
+    heading,
+    limited,
+    sane,
+    scaled,
+)
 
 STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
 
@@ -53,6 +63,15 @@ def compose(a: Pose, b: Pose) -> Pose:
     return (a[0] + cos * b[0] - sin * b[1], a[1] + sin * b[0] + cos * b[1], a[2] + b[2])
 
 
+def numbers(values: Values) -> list[float]:
+    """All that a command says where and how fast, in its order; `state` is not of that."""
+    found: list[float] = []
+    for name, value in values.items():
+        if name != "state":
+            found += value if isinstance(value, tuple) else [value]
+    return found
+
+
 def invert(a: Pose) -> Pose:
     """The pose of the frame that `a` is given in, in the frame of `a`."""
     cos, sin = math.cos(a[2]), math.sin(a[2])
@@ -71,32 +90,44 @@ class Position2d:
         self.size = size
         self.addr = DeviceAddr(Interface.POSITION2D, 0)
         drive = context.models[robot].drive
-        self.is_car = drive is not None and drive.kind == "car"
+        self.kind = "differential" if drive is None else drive.kind
+        self.obeys: dict[str, Callable[[Values], None]] = {"velocity": self.move}
+        if self.kind == "car":
+            self.obeys["car"] = self.steer
+        else:
+            self.obeys |= {"position": self.go_to, "velocity_heading": self.head}
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ((1, self.states.payload(self.robot)),)
 
     def command(self, name: str, values: Values) -> None:
-        robot, context = self.robot, self.context
-        if name == "velocity":
-            vx, vy, wz = twist = values["vel"]
-            if sane(vx, vy, wz):
-                context.later(robot, lambda: context.drive(robot, twist), DRIVE)
-        elif name == "car" and self.is_car:
-            if sane(values["velocity"], values["angle"]):
-                context.later(robot, lambda: self.steer(values), DRIVE)
-        elif name == "position" and not self.is_car:
-            if sane(*values["pos"], *values["vel"]):
-                context.later(robot, lambda: self.go_to(values), DRIVE)
-        elif (
-            name == "velocity_heading"
-            and not self.is_car
-            and sane(values["velocity"], values["heading"])
-        ):
-            context.later(robot, lambda: self.head(values), DRIVE)
+        """Obey, within the drive's limits; at what is no number the robot stops."""
+        obey = self.obeys.get(name)
+        if obey is None:
+            return
+        if finite(*numbers(values)):
+            self.context.later(self.robot, lambda: obey(values), DRIVE)
+            return
+        self.context.later(self.robot, self.stop, DRIVE)
+        told = ", ".join(f"{number:g}" for number in numbers(values))
+        self.context.complain(
+            self.robot, f"the command {name} ({told}), which is no number: the robot stops"
+        )
+
+    def stop(self) -> None:
+        self.context.drive(self.robot, (0.0, 0.0, 0.0))
+
+    def move(self, values: Values) -> None:
+        vx, vy, wz = values["vel"]
+        if self.kind == "omnidirectional":
+            vx, vy = scaled(vx, vy)
+        elif self.kind == "car":
+            vx, wz = scaled(vx, wz)  # the ratio is the circle that it drives
+        self.context.drive(self.robot, (limited(vx), limited(vy), limited(wz)))
 
     def go_to(self, values: Values) -> None:
-        goal, speed = self.to_world(values["pos"]), values["vel"]
+        (x, y, yaw), speed = values["pos"], values["vel"]
+        goal = self.to_world((*scaled(x, y), heading(yaw)))
         self.context.undrive(self.robot)
         self.context.stage.command_position(self.robot, goal, abs(speed[0]), abs(speed[2]))
 
@@ -105,7 +136,7 @@ class Position2d:
         self.context.stage.command_car(self.robot, values["velocity"], values["angle"])
 
     def head(self, values: Values) -> None:
-        yaw = self.to_world((0.0, 0.0, values["heading"]))[2]
+        yaw = self.to_world((0.0, 0.0, heading(values["heading"])))[2]
         self.context.undrive(self.robot)
         self.context.stage.command_heading(self.robot, values["velocity"], yaw)
 

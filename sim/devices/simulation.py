@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import struct
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from player import DeviceAddr
 from player.codes import Interface
+from sim import strictjson
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
 from sim.stage.geometry import outline
 
@@ -147,13 +149,19 @@ class Simulation:
         if key == "time":
             raise Refused
         if key == "color":
-            color = parse_color_value(data)
+            try:
+                color = parse_color_value(data)
+            except ValueError as error:
+                self.refuse(target, key, error)
             self.told[values["name"], key] = (self.context.time, color_bytes(color))
             self.later(target, "color", lambda: self.paint(target, color))
             return
         if len(data) > LONGEST_VALUE or len(key) > LONGEST_KEY:
             raise Refused
-        value = parse_json(data)
+        try:
+            value = parse_json(data)
+        except ValueError as error:
+            self.refuse(target, key, error)
         names = self.context.property_names.setdefault(target, set())
         if key not in names and len(names) >= MOST_PROPERTIES:
             raise Refused
@@ -161,6 +169,11 @@ class Simulation:
         self.told[values["name"], key] = (self.context.time, json.dumps(value).encode())
         properties = self.context.records[target].properties
         self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
+
+    def refuse(self, target: int, key: str, error: ValueError) -> NoReturn:
+        """Say why a value is not taken: a NACK tells its client no more than that it is not."""
+        self.context.complain(target, f"a value of the property {key!r} that is refused: {error}")
+        raise Refused
 
     def paint(self, target: int, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
@@ -170,15 +183,8 @@ class Simulation:
 
 
 def parse_json(data: bytes) -> Any:
-    """A property's value: JSON text; raises Refused for anything else (NaN and infinities too)."""
-
-    def no_constant(name: str) -> Any:
-        raise ValueError(name)
-
-    try:
-        return json.loads(data.rstrip(b"\0").decode(), parse_constant=no_constant)
-    except (ValueError, RecursionError):
-        raise Refused from None
+    """A property's value: JSON text; raises ValueError for anything else."""
+    return strictjson.loads(data.rstrip(b"\0").decode())
 
 
 def color_bytes(color: int) -> bytes:
@@ -187,17 +193,14 @@ def color_bytes(color: int) -> bytes:
 
 
 def parse_color_value(data: bytes) -> int:
-    """A colour in Stage's layout of four floats, or as JSON text `"#rrggbb"`; raises Refused."""
+    """A colour in Stage's layout of four floats, or as JSON text `"#rrggbb"`; else ValueError."""
     if len(data) == COLOR.size and not data.startswith(b'"'):
         parts: tuple[float, ...] = COLOR.unpack(data)[:3]
         if not all(math.isfinite(part) for part in parts):
-            raise Refused
+            raise ValueError("a part of the colour is no number")
         red, green, blue = (round(255 * min(1.0, max(0.0, part))) for part in parts)
         return red << 16 | green << 8 | blue
     text = parse_json(data)
-    if not (isinstance(text, str) and len(text) == 7 and text[0] == "#"):
-        raise Refused
-    try:
-        return int(str(text[1:]), 16)
-    except ValueError:
-        raise Refused from None
+    if not (isinstance(text, str) and re.fullmatch("#[0-9a-fA-F]{6}", text)):
+        raise ValueError(f"a colour is four floats or #rrggbb, not {text!r:.40}")
+    return int(text[1:], 16)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from player import messages
 from player.codes import DeviceAddr, MessageType
 from player.directory import Directory
 from player.server import Connection
 from player.session import Command, Request
-from sim.devices.device import Device, Refused
-from sim.devices.simulation import Simulation
+from sim.devices.device import Context, Device, Refused
 
 
 class Port:
@@ -38,14 +37,19 @@ class Port:
 
 
 class Switchboard:
-    """All ports and all subscriptions of a run."""
+    """All ports and all subscriptions of a run. `say(line)` is given what is meant for people."""
 
-    def __init__(self) -> None:
+    def __init__(self, context: Context, say: Callable[[str], None]) -> None:
+        self.context = context
+        self.say = say
+        context.complain = self.complain
+        self.complained: dict[Connection, set[int]] = {}  # of messages to which robots
         self.ports: dict[int, Port] = {}  # by the identity of the directory
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
         self.changed = True  # what is wanted has changed since `wanted` was last read
-        self.pauser: tuple[Connection, Simulation] | None = None
+        self.pauser: Connection | None = None
+        """Who has stopped the clock."""
 
     def add_port(self) -> Port:
         """A new port that serves nothing yet."""
@@ -82,22 +86,30 @@ class Switchboard:
         Nobody else may know that the clock was stopped, or be there to let it go on.
         """
         self.connections.pop(connection, None)
+        self.complained.pop(connection, None)
         self.changed = True
-        if self.pauser is not None and self.pauser[0] is connection:
-            self.pauser[1].context.paused = False
+        if self.pauser is connection:
+            self.context.paused = False
             self.pauser = None
 
     def command(self, connection: Connection, event: Command) -> Device:
         """Pass a command to its device, which is returned."""
+        context = self.context
         device = self.ports[id(connection.session.directory)].devices[event.addr]
-        device.command(event.name, event.message)
-        if event.name == "pause" and isinstance(device, Simulation):
-            self.pauser = (connection, device) if device.context.paused else None
+        paused = context.paused
+        context.client = connection
+        try:
+            device.command(event.name, event.message)
+        finally:
+            context.client = None
+        if context.paused != paused:
+            self.pauser = connection if context.paused else None
         return device
 
     def request(self, connection: Connection, event: Request) -> None:
         """Have a device answer a request: exactly one ACK or NACK goes out."""
         device = self.port(connection).devices[event.addr]
+        self.context.client = connection
         try:
             if event.name == "capabilities":
                 known = messages.find(
@@ -111,21 +123,38 @@ class Switchboard:
         except Refused:
             connection.session.refuse(event)
             return
+        finally:
+            self.context.client = None
         connection.session.acknowledge(event, None if reply is None else dict(reply))
+
+    def complain(self, robot: int, what: str) -> None:
+        """Tell people, once of each client and robot, what it was sent that makes no sense."""
+        client = self.context.client
+        if client is None or robot in self.complained.setdefault(client, set()):
+            return
+        self.complained[client].add(robot)
+        name = self.context.records[robot].name
+        self.say(f"{name}: {'its program' if client.peer == name else client.peer} sent {what}")
 
     def wanted(self) -> list[Device]:
         """The devices that somebody has subscribed."""
         return list(dict.fromkeys(device for have in self.connections.values() for device in have))
 
-    def publish(self, time: float) -> None:
+    def publish(self, time: float) -> list[tuple[Connection, Exception]]:
         """Hand one tick's data to every session that has subscribed it, and let it go out.
 
         One connection after the other: the first client can work while the others are served.
+        Whose data could not be made is given back, with the reason.
         """
+        failed = []
         for connection, devices in self.connections.items():
             session = connection.session
-            for device, addr in devices.items():
-                for subtype, payload in device.publish():
-                    session.publish(addr, subtype, payload, time)
+            try:
+                for device, addr in devices.items():
+                    for subtype, payload in device.publish():
+                        session.publish(addr, subtype, payload, time)
+            except Exception as error:
+                failed.append((connection, error))
             session.end_of_round()
             connection.flush()
+        return failed

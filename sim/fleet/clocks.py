@@ -30,17 +30,16 @@ class Clocks:
         """Whether nobody is waited for any more."""
         if not self.behind:
             return True
-        if not self.any_clock or any(driver.starting for driver in self.behind.values()):
+        if not self.any_clock or any(d.starting or d.ending for d in self.behind.values()):
             return False
-        return any(d.clock.session.waiting for d in self.clocked.values() if d.clock is not None)
+        return any(driver.asking for driver in self.clocked.values())
 
     def next_round(self) -> None:
         """Data has been published: every clock that has been served is waited for again."""
         now = monotonic()
         behind = self.behind
         for robot, driver in self.clocked.items():
-            clock = driver.clock
-            if clock is not None and not clock.session.waiting:
+            if not driver.asking:
                 driver.since = now
                 behind[robot] = driver
 
@@ -58,21 +57,33 @@ class Clocks:
     def asked(self, connection: Connection) -> None:
         """A connection waits for data."""
         for driver in self.driven.get(connection, {}).values():
-            if driver.clock is connection:
+            if connection in driver.readers:
                 self.has_asked(driver)
 
-    def join(self, connection: Connection, driver: Driver) -> None:
-        """A controller's connection has subscribed what drives its robot."""
-        self.driven.setdefault(connection, {})[driver.robot] = driver
-        driver.clocks.append(connection)
+    def join(self, connection: Connection, driver: Driver, drives: bool) -> None:
+        """A controller's connection has come; `drives`: it has subscribed the robot's drive."""
+        if connection not in driver.clocks:
+            self.driven.setdefault(connection, {})[driver.robot] = driver
+            driver.clocks.append(connection)
+        if drives:
+            driver.driving.add(connection)
         driver.ending = False
         self.choose(driver)
 
+    def undrive(self, connection: Connection, driver: Driver) -> None:
+        """A connection has unsubscribed the robot's drive: a program's is one of its own still."""
+        if not driver.launched:
+            self.leave(connection, driver)
+        elif connection in driver.driving:
+            driver.driving.discard(connection)
+            self.choose(driver)
+
     def leave(self, connection: Connection, driver: Driver) -> None:
-        """It does not drive the robot any more."""
+        """It is not one of the controller's any more."""
         if connection not in driver.clocks:
             return
         driver.clocks.remove(connection)
+        driver.driving.discard(connection)
         drives = self.driven[connection]
         del drives[driver.robot]
         if not drives:
@@ -81,21 +92,23 @@ class Clocks:
 
     def choose(self, driver: Driver) -> None:
         """Find a robot's clock anew: its controller's connections, or their modes, have changed."""
-        before = driver.clock
-        driver.choose_clock()
-        clock = driver.clock
-        if clock is not None:
+        before = driver.readers
+        driver.choose_readers()
+        if driver.readers:
             self.clocked[driver.robot] = driver
-            if clock.session.waiting:
+            if driver.asking:
                 self.has_asked(driver)
-            elif clock is not before:
+            elif driver.readers != before:
                 self.wait_for(driver)
             return
         self.clocked.pop(driver.robot, None)
-        if driver.clocks:  # it is sent its data, without asking
+        if driver.pushed:
             self.has_asked(driver)
-        elif driver.asked and not driver.ending:
-            self.behind.pop(driver.robot, None)
+        elif not driver.launched:
+            if driver.asked:
+                self.behind.pop(driver.robot, None)
+        elif driver.running and driver.robot not in self.behind:
+            self.wait_for(driver)  # between two connections, or two subscriptions
 
     def retire(self, driver: Driver) -> None:
         """A controller's run is over: nobody waits for it, whatever is still connected."""

@@ -8,6 +8,7 @@ wait for a controller that hangs.
 from __future__ import annotations
 
 import socket
+import traceback
 from collections.abc import Callable, Iterable
 from time import monotonic
 from typing import Literal
@@ -26,7 +27,7 @@ from sim.devices.switchboard import Port, Switchboard
 from sim.fleet.clocks import Clocks
 from sim.fleet.driver import Driver
 from sim.fleet.fleet import Fleet, Launch
-from sim.fleet.origin import is_from
+from sim.fleet.origin import origin
 from sim.fleet.patience import Patience, hint
 from sim.result import ControllerState
 
@@ -61,9 +62,11 @@ class Crew:
         self.stop = stop
         self.say = say
         self.drivers: list[Driver] = []
+        self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.interrupted = False
         self.waiting = False  # for clients: a signal that comes now need not break off anything
         self.paused: Callable[[], bool] = lambda: False
+        self.paused_at = 0.0  # wall-clock time
         self.hinted = False
         self.look_at = 0.0  # when to look again who has used up the patience
         fleet.attach(server.watch, server.unwatch)
@@ -85,6 +88,7 @@ class Crew:
         if port is not None:
             ours, theirs = socket.socketpair()
             driver.connection = self.server.adopt(ours, port.directory, peer=driver.record.name)
+            self.clocks.join(driver.connection, driver, drives=False)
         driver.environment = environment
         self.fleet.start(driver.robot, driver.record.name, launch, environment, theirs)
 
@@ -142,6 +146,8 @@ class Crew:
         if self.paused():
             for driver in behind:
                 driver.since = now
+            if self.patience.limit_of_pause(self.paused_at) <= now:
+                self.end_pause(now - self.paused_at)
             return
         if not self.hinted and not self.clocks.any_clock:
             line = hint(behind, self.clocks.clocked.values(), now)
@@ -164,6 +170,26 @@ class Crew:
             self.say(f"{name}: {error}; it stands still")
         else:
             self.say(f"{name}: hung: nothing for {waited:.0f} s, its robot stops")
+        self.abandon(driver, error)
+
+    def end_pause(self, waited: float) -> None:
+        """End whoever has paused the world for too long, unless it goes on in the meantime."""
+        pauser = self.switchboard.pauser
+        self.take(self.server.poll(0))
+        if pauser is None or self.switchboard.pauser is not pauser:
+            return
+        error = f"kept the world paused for {waited:.0f} s"
+        drivers = list(self.clocks.driven.get(pauser, {}).values())
+        for driver in drivers:
+            self.say(f"{driver.record.name}: hung: {error}, its robot stops")
+            self.abandon(driver, error)
+        if not drivers:
+            self.say(f"{pauser.peer}: {error}: its connection is closed")
+        if pauser.is_open:
+            self.close(pauser)
+
+    def abandon(self, driver: Driver, error: str) -> None:
+        """Wait for a controller no more: end its process, close its connections."""
         if driver.launched:
             self.fleet.kill(driver.robot)
         for connection in [driver.connection, *driver.clocks]:
@@ -176,40 +202,69 @@ class Crew:
     def take(self, events: Iterable[tuple[Connection, ServerEvent]]) -> None:
         """Obey and answer what clients have sent."""
         for connection, event in events:
-            kind = type(event)
-            if kind is DataRequested:
-                assert isinstance(event, DataRequested)
-                if not event.served:
-                    self.clocks.asked(connection)
-                    if self.clocks.unasked:
-                        self.first_reading(connection)
-            elif kind is Command:
-                assert isinstance(event, Command)
-                device = self.switchboard.command(connection, event)
-                if event.addr.interf in MOVING:
-                    self.drivers[device.robot].commander = connection
-            elif kind is Request:
-                assert isinstance(event, Request)
-                self.switchboard.request(connection, event)
-            elif kind is Subscribed:
-                assert isinstance(event, Subscribed)
-                self.subscribed(connection, event)
-            elif kind is Unsubscribed:
-                assert isinstance(event, Unsubscribed)
-                device = self.switchboard.unsubscribe(connection, event.addr)
-                if event.addr.interf == Interface.POSITION2D:
-                    self.release(connection, self.drivers[device.robot])
-            elif kind is ModeChanged:
-                for driver in self.clocks.driven.get(connection, {}).values():
-                    self.clocks.choose(driver)
-            elif kind is Disconnected:
-                assert isinstance(event, Disconnected)
-                self.disconnected(connection, event.reason)
-            elif kind is Connected:
-                pass
+            if connection in self.expelled:
+                continue
+            try:
+                self.obey(connection, event)
+            except Exception as error:
+                self.expel(connection, error)
+
+    def obey(self, connection: Connection, event: ServerEvent) -> None:
+        """Obey or answer one message, or take note of where a connection has come to."""
+        kind = type(event)
+        if kind is DataRequested:
+            assert isinstance(event, DataRequested)
+            if not event.served:
+                self.clocks.asked(connection)
+                if self.clocks.unasked:
+                    self.first_reading(connection)
+        elif kind is Command:
+            assert isinstance(event, Command)
+            pauser = self.switchboard.pauser
+            device = self.switchboard.command(connection, event)
+            if self.switchboard.pauser is not pauser:
+                self.paused_at = monotonic()
+            if event.addr.interf in MOVING:
+                self.drivers[device.robot].commander = connection
+        elif kind is Request:
+            assert isinstance(event, Request)
+            self.switchboard.request(connection, event)
+        elif kind is Subscribed:
+            assert isinstance(event, Subscribed)
+            self.subscribed(connection, event)
+        elif kind is Unsubscribed:
+            assert isinstance(event, Unsubscribed)
+            device = self.switchboard.unsubscribe(connection, event.addr)
+            if event.addr.interf == Interface.POSITION2D:
+                driver = self.drivers[device.robot]
+                self.clocks.undrive(connection, driver)
+                self.release(connection, driver)
+        elif kind is ModeChanged:
+            for driver in self.clocks.driven.get(connection, {}).values():
+                self.clocks.choose(driver)
+        elif kind is Disconnected:
+            assert isinstance(event, Disconnected)
+            self.disconnected(connection, event.reason)
+        elif kind is Connected:
+            pass
+
+    def expel(self, connection: Connection, error: Exception) -> None:
+        """What a client has sent has led to an error of ours: it loses its connection, no more.
+
+        A controller that has lost it so is `lost` in the result, once its process has ended.
+        """
+        self.expelled.add(connection)
+        what = f"what it sent has led to an error in the simulator ({error!r})"
+        trace = "".join(traceback.format_exception(error)).rstrip()
+        self.say(f"{connection.peer}: {what}: its connection is closed\n{trace}")
+        if not connection.is_open:
+            return
+        for driver in self.clocks.driven.get(connection, {}).values():
+            driver.lost = what  # read when its process has ended, if that is ours
+        self.close(connection)
 
     def first_reading(self, connection: Connection) -> None:
-        """A controller that reads without driving has no clock: it looks on from now on."""
+        """A program may read what is not its robot's own; an outsider that does, looks on."""
         if connection in self.clocks.driven:
             return
         for robot in self.switchboard.port(connection).robots:
@@ -218,7 +273,11 @@ class Crew:
                 continue
             if driver.kind == "external" and driver.drives:
                 continue  # its client is the one that will drive it
-            if self.is_own(driver, connection):
+            if not self.is_own(driver, connection):
+                continue
+            if driver.launched:
+                self.clocks.join(connection, driver, drives=False)
+            else:
                 self.clocks.has_asked(driver)
 
     def is_own(self, driver: Driver, connection: Connection) -> bool:
@@ -227,27 +286,27 @@ class Crew:
             return driver.running and connection is driver.connection
         if driver.kind == "command":
             if connection not in driver.origins:
-                driver.origins[connection] = is_from(connection, driver.environment)
-            return driver.running and driver.origins[connection]
+                driver.origins[connection] = origin(connection, driver.environment)
+            return driver.running and driver.origins[connection] != 0
         return driver.kind == "external"
 
     def subscribed(self, connection: Connection, event: Subscribed) -> None:
-        """A connection has subscribed a device; with the drive it may have become the clock."""
+        """A connection has subscribed a device; it may be one of the robot's controller."""
         device = self.switchboard.subscribe(connection, event.addr)
         driver = self.drivers[device.robot]
-        if event.addr.interf == Interface.POSITION2D and self.is_own(driver, connection):
+        drives = event.addr.interf == Interface.POSITION2D
+        if (drives or driver.launched) and self.is_own(driver, connection):
             if driver.kind == "external" and driver.record.state in ("lost", "hung"):
                 driver.record.state, driver.record.error = "running", None
                 self.say(f"{driver.record.name}: a client has come ({connection.peer})")
-            self.clocks.join(connection, driver)
-        if connection in driver.clocks or not driver.drives or connection is driver.connection:
+            self.clocks.join(connection, driver, drives)
+        if connection in driver.clocks or not (driver.drives or driver.launched):
             devices = self.switchboard.port(connection).devices
             own = [a for a in connection.session.subscribed if devices[a].robot == driver.robot]
             note_devices(driver, map(str, own))
 
     def release(self, connection: Connection, driver: Driver) -> None:
         """A connection does not drive a robot any more."""
-        self.clocks.leave(connection, driver)
         if driver.commander is connection:
             driver.commander = None
             self.stop(driver.robot)
@@ -265,6 +324,7 @@ class Crew:
             alone = all(other is connection for other in driver.clocks)
             ends = left and alone and driver.launched and driver.running
             driver.ending |= ends
+            self.clocks.leave(connection, driver)
             self.release(connection, driver)
             if ends:
                 # which comes first, the end of the connection or that of the process, must not
@@ -289,7 +349,9 @@ class Crew:
             if not driver.running:
                 driver.record.exit_code = code
                 continue
-            if code == 0:
+            if driver.lost is not None:
+                self.end(driver, "lost", code, driver.lost)
+            elif code == 0:
                 self.end(driver, "finished", 0, None)
             else:
                 self.end(driver, "failed", code, self.describe(robot, code))

@@ -26,11 +26,16 @@ class Driver:
     since: float = 0.0
     connection: Connection | None = None  # the inherited one
     clocks: list[Connection] = field(default_factory=list)
-    """The controller's connections that have subscribed its position2d, earliest first."""
-    clock: Connection | None = None
-    """The one that the world waits for: the earliest of `clocks` that is in pull mode."""
-    origins: dict[Connection, bool] = field(default_factory=dict)
-    """Whether connections over TCP come from the controller's process, as far as asked."""
+    """The controller's connections, earliest first: those of the processes that were started for
+    the robot, whatever they subscribe; of outsiders, those that have subscribed its position2d."""
+    driving: set[Connection] = field(default_factory=set)
+    """Those of them that have subscribed its position2d."""
+    readers: list[Connection] = field(default_factory=list)
+    """Those that the world waits for, until one of them waits for data: see `choose_readers`."""
+    origins: dict[Connection, int] = field(default_factory=dict)
+    """The process that a connection over TCP comes from, as far as asked; 0: not the robot's."""
+    lost: str | None = None
+    """Why its connection has been closed, though its process goes on."""
     commander: Connection | None = None
     """Who gave the last command, controller or not: when it goes away, the robot stops."""
 
@@ -48,10 +53,35 @@ class Driver:
         """Whether its controller has not come yet, or is a program that has not asked yet."""
         return not self.asked and (self.kind == "program" or self.clock is None)
 
-    def choose_clock(self) -> None:
-        """To be called whenever `clocks`, or the mode of one of them, has changed."""
-        self.clock = None
-        for connection in self.clocks:
-            if connection.is_open and connection.session.mode is DataMode.PULL:
-                self.clock = connection
-                return
+    @property
+    def clock(self) -> Connection | None:
+        """The first connection that the world waits for, if there is any."""
+        return self.readers[0] if self.readers else None
+
+    @property
+    def asking(self) -> bool:
+        """Whether the controller waits for data, at one of its connections."""
+        return any(reader.session.waiting for reader in self.readers)
+
+    @property
+    def pushed(self) -> bool:
+        """Whether the controller is sent its data without asking."""
+        return not self.readers and any(
+            connection.session.subscribed for connection in self.clocks if connection.is_open
+        )
+
+    def choose_readers(self) -> None:
+        """To be called whenever `clocks`, or the mode of one of them, has changed.
+
+        An outsider is waited for at the earliest of its connections that is in pull mode. A
+        program is waited for until it waits itself, at whichever connection: a process that reads
+        several in turn cannot ask at the others meanwhile. Where some of its processes drive, the
+        others look on.
+        """
+        open_ones = [connection for connection in self.clocks if connection.is_open]
+        pulling = [one for one in open_ones if one.session.mode is DataMode.PULL]
+        if not self.launched:
+            self.readers = pulling[:1]
+            return
+        drivers = {self.origins.get(one) for one in open_ones if one in self.driving}
+        self.readers = [one for one in pulling if not drivers or self.origins.get(one) in drivers]

@@ -19,6 +19,11 @@ It answers, for every start,
 or `ended` alone where no process could be made. When the simulator goes away, however it dies, the
 socket reaches its end, and the fork server kills every child and all that the children started,
 and ends.
+
+What is run is two processes: the fork server, and its parent, the keeper, which does nothing but
+wait for its end. A child may kill the fork server after it has left a daemon behind; on Linux the
+daemon then becomes the keeper's, which has no children but those of the run, and kills them. The
+simulator could not do that: it may be part of a program that has children of its own.
 """
 
 from __future__ import annotations
@@ -197,14 +202,37 @@ class ForkServer:
         """Kill every child and, where the system tells, all that the children started."""
         for pid in list(self.id_of):
             kill_group(pid)
-        for _ in range(100):  # an orphan may fork while it is looked for
-            orphans = children_of(os.getpid())
-            for pid in orphans:
-                kill_group(pid)
-            if not orphans:
-                return
-            with contextlib.suppress(ChildProcessError):
-                os.waitpid(-1, 0)
+        end_children()
+
+
+def end_children() -> None:
+    """Kill all that this process is the parent of, until nothing is left (Linux)."""
+    for _ in range(100):  # an orphan may fork while it is looked for
+        orphans = children_of(os.getpid())
+        for pid in orphans:
+            kill_group(pid)
+        if not orphans:
+            return
+        with contextlib.suppress(ChildProcessError):
+            os.waitpid(-1, 0)
+
+
+def keep(control: socket.socket) -> None:
+    """Go on as the child of a keeper: it ends what the fork server, if it is killed, leaves."""
+    prctl(PR_SET_CHILD_SUBREAPER, 1)
+    keeper = os.getpid()
+    server = os.fork()
+    if server == 0:
+        prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != keeper:
+            os._exit(1)
+        return
+    control.close()  # its end is the fork server's end
+    with contextlib.suppress(ChildProcessError):
+        while os.waitpid(-1, 0)[0] != server:
+            pass
+    end_children()
+    os._exit(0)
 
 
 def framed(message: dict[str, Any]) -> bytes:
@@ -307,13 +335,14 @@ def main() -> None:
     """Serve on the socket whose descriptor is the first argument."""
     hold_standard_descriptors()
     control = socket.socket(fileno=int(sys.argv[1]))
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # the simulator decides, by closing the socket
+    keep(control)
     prctl(PR_SET_CHILD_SUBREAPER, 1)
     if hasattr(os, "SCHED_BATCH"):
         # a controller that wakes must not interrupt the simulator, which has others to wake
         with contextlib.suppress(OSError):
             os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)  # the simulator decides, by closing the socket
     sys.path.insert(0, sys.argv[2])
     import numpy.random  # noqa: F401, PLC0415
 

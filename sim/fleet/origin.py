@@ -1,4 +1,4 @@
-"""Whose a TCP connection is: whether a program that we have started holds its other end.
+"""Whose a TCP connection is: which of the processes that we have started holds its other end.
 
 A robot's clock is the connection of its controller. Over a socket pair that is plain; over TCP
 an onlooker may connect to the same port before the program does. Where the system tells which
@@ -17,32 +17,36 @@ from player.server import Connection
 PROC = Path("/proc")
 
 
-def is_from(connection: Connection, environment: dict[str, str]) -> bool:
-    """Whether a connection comes from a process that was started with these variables.
+UNKNOWN = -1
+"""In place of a process's number where nobody can tell."""
 
-    True as well where nobody can tell: on systems without /proc, and for a process of another
-    user or machine (a container, a login elsewhere).
+
+def origin(connection: Connection, environment: dict[str, str]) -> int:
+    """The process that a connection comes from, if it was started with these variables, else 0.
+
+    UNKNOWN where nobody can tell: on systems without /proc, and for a process of another user or
+    machine (a container, a login elsewhere).
     """
     host, _, peer_port = connection.peer.rpartition(":")
     if not PROC.joinpath("net/tcp").exists() or not peer_port.isdecimal():
-        return True
+        return UNKNOWN
     inode = socket_inode(int(peer_port), connection.port)
     if inode is None and not ip_address(host).is_loopback:
-        return True
+        return UNKNOWN
     if not inode:
-        return False  # the process has closed it: it is nobody's clock any more
+        return 0  # the process has closed it: it is nobody's clock any more
     marks = {f"{key}={value}".encode() for key, value in environment.items()}
     others = []
     for process in processes():
         if marks <= variables(process):
             if holds(process, inode):
-                return True
+                return int(process.name)
         else:
             others.append(process)
     if any(holds(process, inode) for process in others):
-        return False
+        return 0
     # nobody is seen to hold it: a process that we may not look into, unless it was closed just now
-    return socket_inode(int(peer_port), connection.port) == inode
+    return UNKNOWN if socket_inode(int(peer_port), connection.port) == inode else 0
 
 
 def socket_inode(local: int, remote: int) -> int | None:

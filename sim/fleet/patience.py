@@ -31,6 +31,10 @@ class Patience:
         """The time at which the patience with a controller that is waited for ends."""
         return driver.since + (self.reading if driver.asked else self.entry)
 
+    def limit_of_pause(self, since: float) -> float:
+        """The time at which the patience with who has paused the world ends."""
+        return since + self.reading
+
 
 def hint(behind: Iterable[Driver], drivers: Iterable[Driver], now: float) -> str | None:
     """What to tell of a client that reads several robots in turn, and so waits for ever.
@@ -45,11 +49,7 @@ def hint(behind: Iterable[Driver], drivers: Iterable[Driver], now: float) -> str
     ]
     if not late:
         return None
-    waiting = {
-        host(driver)
-        for driver in drivers
-        if driver.clock is not None and driver.clock.session.waiting
-    }
+    waiting = {host(driver) for driver in drivers if driver.asking}
     for driver in late:
         if host(driver) in waiting:
             return (

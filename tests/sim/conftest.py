@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -39,3 +42,14 @@ def world(tmp_path: Path) -> World:
         return write_world(tmp_path, text)
 
     return make
+
+
+@pytest.fixture
+def busy() -> Iterator[None]:
+    """Every processor is kept busy by others."""
+    count = 2 * (os.cpu_count() or 1)
+    loops = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(count)]
+    yield
+    for loop in loops:
+        loop.kill()
+        loop.wait()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,17 +20,6 @@ DURATION = 8.0
 def digest() -> str:
     """The digest of an ordinary run."""
     return troupe.run(WORLD, duration=DURATION).digest
-
-
-@pytest.fixture
-def busy() -> Iterator[None]:
-    """Every processor is kept busy by others."""
-    count = 2 * (os.cpu_count() or 1)
-    loops = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(count)]
-    yield
-    for loop in loops:
-        loop.kill()
-        loop.wait()
 
 
 def by_command(*words: str, **more: str) -> dict[str, object]:

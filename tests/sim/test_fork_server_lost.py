@@ -28,8 +28,11 @@ def fleet() -> Iterator[Fleet]:
 
 
 def lose(fleet: Fleet) -> None:
-    fleet.process.kill()
-    fleet.process.wait()
+    keeper = psutil.Process(fleet.process.pid)
+    while not (found := keeper.children()):
+        pass  # it has not forked the fork server yet
+    found[0].kill()
+    fleet.process.wait()  # the keeper, which outlives it
 
 
 def is_alive(pid: int) -> bool:

@@ -61,10 +61,12 @@ class Run:
         raise AssertionError("the run ended before its controller was ready")
 
     def children(self) -> dict[str, list[psutil.Process]]:
-        """The fork server, and the controllers."""
+        """The fork server's keeper, the fork server, and the controllers."""
         found = [p for p in marked(self.mark) if p.pid != self.process.pid]
-        servers = [p for p in found if p.ppid() == self.process.pid]
-        return {"server": servers, "controllers": [p for p in found if p not in servers]}
+        keepers = [p for p in found if p.ppid() == self.process.pid]
+        servers = [p for p in found if p.ppid() in [keeper.pid for keeper in keepers]]
+        controllers = [p for p in found if p not in keepers + servers]
+        return {"keeper": keepers, "server": servers, "controllers": controllers}
 
 
 @pytest.fixture
@@ -92,11 +94,12 @@ def test_the_simulator_is_killed(start: Callable[..., Run], program: str) -> Non
     assert all_gone(run.mark)
 
 
-def test_the_fork_server_is_killed(start: Callable[..., Run]) -> None:
+@pytest.mark.parametrize("which", ["server", "keeper"])
+def test_the_fork_server_or_its_keeper_is_killed(start: Callable[..., Run], which: str) -> None:
     run = start()
     run.until_ready()
-    (server,) = run.children()["server"]
-    server.kill()
+    (process,) = run.children()[which]
+    process.kill()
     out, _ = run.process.communicate(timeout=PATIENCE)
     assert run.process.returncode == 1
     assert '"failed"' in out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import socket
 import sys
@@ -134,8 +133,9 @@ def run_and_print(
     if done.video_error is not None:
         print(done.video_error, file=sys.stderr)
     if as_json:
-        json.dump(result.as_json(), sys.stdout)
-        print()
+        from sim.strictjson import dumps  # noqa: PLC0415
+
+        print(dumps(result.as_json()))
     else:
         from troupe.summary import summary  # noqa: PLC0415
 
