@@ -130,7 +130,7 @@ def told(
     ranges: NDArray[np.float64],
     hit: NDArray[np.bool_],
     max_range: float,
-    kind: type[np.floating[Any]] = np.float32,
+    kind: str = "f4",
 ) -> NDArray[np.float64]:
     """Ranges as they are to travel: nothing that is hit reads `max_range`.
 
@@ -145,10 +145,11 @@ def told(
 
 
 @cache
-def last_before(max_range: float, kind: type[np.floating[Any]]) -> float:
+def last_before(max_range: float, kind: str) -> float:
     """The number of a kind before the one that `max_range` becomes on the wire."""
     with np.errstate(over="ignore"):
-        return float(np.nextafter(kind(max_range), kind(0)))
+        end = np.array(max_range, kind)
+        return float(np.nextafter(end, np.zeros((), kind)))
 
 
 @cache
@@ -184,7 +185,7 @@ def encode_ranges(group: Group) -> NDArray[Any]:
     ranges = wanted(group, readings.ranges)
     if isinstance(readings, Scans):
         hit = wanted(group, readings.hits) >= 0
-        ranges = told(ranges, hit, readings.max_range, np.float64)
+        ranges = told(ranges, hit, readings.max_range, "f8")
     return encode_array(ranges, ">f8")
 
 
