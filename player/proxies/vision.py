@@ -108,10 +108,11 @@ class BlobfinderProxy(Proxy):
         self.width, self.height, n, again = _HEAD.unpack_from(payload)
         if n != again or size != 16 + 40 * n:
             raise XdrError(f"{self.addr}: {n} blobs do not fit {size} bytes")
-        self.blobs = list(map(Blob._make, _BLOB.iter_unpack(payload[16:])))
-        image = Image(self, self.width)
-        for blob in self.blobs:
-            blob.image = image
+        self.blobs = blobs = list(map(Blob._make, _BLOB.iter_unpack(payload[16:])))
+        if blobs:
+            image = Image(self, self.width)
+            for blob in blobs:
+                blob.image = image
 
     def set_tracking_color(
         self, red: tuple[int, int], green: tuple[int, int], blue: tuple[int, int], channel: int = 0

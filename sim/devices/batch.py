@@ -116,24 +116,40 @@ def encode_scans(group: Group) -> NDArray[Any]:
     rows["resolution"] = scans.resolution
     rows["max_range"] = scans.max_range
     rows["counts"] = n
-    rows["ranges"] = told(scans.ranges[group.rows], scans.hits[group.rows] >= 0, scans.max_range)
+    hit = wanted(group, scans.hits) >= 0
+    rows["ranges"] = told(wanted(group, scans.ranges), hit, scans.max_range)
     return rows
+
+
+def wanted(group: Group, array: NDArray[Any]) -> NDArray[Any]:
+    """The wanted rows of one of a group's arrays, in their order; not to be written to."""
+    return array if len(group.rows) == len(array) else array[group.rows]
 
 
 def told(
     ranges: NDArray[np.float64],
     hit: NDArray[np.bool_],
     max_range: float,
-    kind: type[np.floating[Any]] = np.float32,
+    kind: str = "f4",
 ) -> NDArray[np.float64]:
-    """Ranges as they are to travel, in place: nothing that is hit reads `max_range`.
+    """Ranges as they are to travel: nothing that is hit reads `max_range`.
 
     What is hit at the end of the range, or is there by noise or by the rounding to the wire's
     `kind` of number, reads the next smaller number of that kind. So clients can tell it from
     where nothing is hit.
     """
-    end = kind(max_range)
-    return np.minimum(ranges, float(np.nextafter(end, kind(0))), out=ranges, where=hit)
+    farthest = last_before(max_range, kind)
+    late = ranges > farthest
+    late &= hit
+    return np.where(late, farthest, ranges) if late.any() else ranges
+
+
+@cache
+def last_before(max_range: float, kind: str) -> float:
+    """The number of a kind before the one that `max_range` becomes on the wire."""
+    with np.errstate(over="ignore"):
+        end = np.array(max_range, kind)
+        return float(np.nextafter(end, np.zeros((), kind)))
 
 
 @cache
@@ -166,9 +182,10 @@ def encode_ranges(group: Group) -> NDArray[Any]:
     """ranger RANGE (subtype 1)."""
     readings = group.readings
     assert isinstance(readings, Scans | Elements | Intensities)
-    ranges = readings.ranges[group.rows]
+    ranges = wanted(group, readings.ranges)
     if isinstance(readings, Scans):
-        told(ranges, readings.hits[group.rows] >= 0, readings.max_range, np.float64)
+        hit = wanted(group, readings.hits) >= 0
+        ranges = told(ranges, hit, readings.max_range, "f8")
     return encode_array(ranges, ">f8")
 
 
