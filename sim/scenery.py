@@ -93,8 +93,8 @@ class Scenery:
         if len(self.movables):
             self.scene.move(self.movables, self.stage.movable_poses)
         self.scene.refresh()
-        robots, points = self.stage.contact_points
-        self.suite.contacts = Contacts(robots, points)
+        robots, stretches = self.stage.stretches
+        self.suite.contacts = Contacts(robots, stretches[:, :2], stretches[:, 2:])
 
     def put(self, robot: int, pose: tuple[float, float, float]) -> None:
         """Put a robot at a pose in the world by hand: no wheel turns."""
