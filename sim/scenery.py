@@ -93,8 +93,7 @@ class Scenery:
         if len(self.movables):
             self.scene.move(self.movables, self.stage.movable_poses)
         self.scene.refresh()
-        robots, stretches = self.stage.stretches
-        self.suite.contacts = Contacts(robots, stretches[:, :2], stretches[:, 2:])
+        self.suite.contacts = Contacts(*self.stage.stretches)
 
     def put(self, robot: int, pose: tuple[float, float, float]) -> None:
         """Put a robot at a pose in the world by hand: no wheel turns."""

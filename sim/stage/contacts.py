@@ -16,6 +16,7 @@ from sim.stage.compiled import compiled
 
 Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]
+NO_STRETCHES = np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2))
 _FACTOR = 2**32
 _HALF = 2**31
 
@@ -38,9 +39,9 @@ class Touches:
         """(k,) The robot of each contact point of the latest tick, ascending."""
         self.points: Floats = np.zeros((0, 2))
         """(k, 2) The points in the world."""
-        self.stretches: Floats = np.zeros((0, 5))
-        """(m, 5) The latest tick's touching stretches, sorted: the robot, and x, y of both ends
-        on its own outline, in the world."""
+        self.stretches: tuple[Indices, Floats, Floats] = NO_STRETCHES
+        """(m,) The robot of each touching stretch of the latest tick, ascending, and (m, 2), (m, 2)
+        where on the robot's own outline it begins and ends, in the world."""
 
     def rename(self, ids: Indices, things: Indices) -> None:
         """Set which body id (b,) ascending is which thing (b,)."""
@@ -56,7 +57,7 @@ class Touches:
             if len(self._keys):
                 self._keys = np.zeros(0, dtype=np.int64)
                 self.robots, self.points = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
-                self.stretches = np.zeros((0, 5))
+                self.stretches = NO_STRETCHES
             return
         if len(self._steps) == 1:
             pairs, points = self._steps[0]
@@ -133,7 +134,12 @@ def _gather(
         if at == len(before) or before[at] != touching[k]:
             counts[touching[k] // _FACTOR] += 1
     places, stretches = _sorted(places[:shown]), _sorted(stretches[:touched])
-    return touching, places[:, 0].astype(np.int64), places[:, 1:].copy(), stretches
+    return (
+        touching,
+        places[:, 0].astype(np.int64),
+        places[:, 1:].copy(),
+        (stretches[:, 0].astype(np.int64), stretches[:, 1:3].copy(), stretches[:, 3:].copy()),
+    )
 
 
 @compiled

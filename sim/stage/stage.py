@@ -289,14 +289,13 @@ class Stage:
         return self._touches.robots, self._touches.points
 
     @property
-    def stretches(self) -> tuple[NDArray[np.int64], Floats]:
+    def stretches(self) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Robots (m,) ascending, and where they touched something in the latest tick.
 
-        (m, 4) x, y of both ends of the straight stretch of the robot's own outline that touched;
-        twice the same where a corner or something round touches in a point.
+        (m, 2) and (m, 2): where the straight stretch of the robot's own outline that touched begins
+        and ends; the same where a corner or something round touches in a point.
         """
-        found = self._touches.stretches
-        return found[:, 0].astype(np.int64), found[:, 1:]
+        return self._touches.stretches
 
     @property
     def touching(self) -> Bools:
