@@ -1,7 +1,8 @@
 """The bumper: switches around the body that close where it touches something.
 
 A switch covers an arc of bearings about the sensor's place on the robot (its centre, unless the
-pose says otherwise); a contact closes every switch in whose arc it lies, both ends included.
+pose says otherwise). The body touches in points and in straight stretches; each closes every
+switch whose arc it meets, both ends included.
 """
 
 import math
@@ -18,6 +19,8 @@ from .settings import Count, Number, SensorSettings, setting
 from .view import View
 
 Arc = tuple[Number, Number]
+BORDER = 1e-9
+"""Radians: a contact this near to the border of two switches closes both, rounding or not."""
 
 
 class BumperSettings(SensorSettings):
@@ -79,6 +82,9 @@ def sense_bumps(settings: BumperSettings, view: View, readings: Bits) -> None:
             np.searchsorted(view.robots, contacts.robots),
             np.ascontiguousarray(contacts.robots, np.int64),
             np.ascontiguousarray(contacts.points, np.float64),
+            np.ascontiguousarray(
+                contacts.points if contacts.ends is None else contacts.ends, np.float64
+            ),
             readings.arcs,
         )
 
@@ -92,23 +98,32 @@ def _close(
     first_rows: Ints,
     touching: Ints,
     points: Floats,
+    ends: Floats,
     arcs: Floats,
 ) -> None:
-    """Close the switches that touch: robot touching[c] at points[c], with its first row."""
+    """Close the switches that touch: robot touching[c], from points[c] to ends[c].
+
+    first_rows[c] is the robot's first row.
+    """
     turn = 2.0 * math.pi
     for c in range(touching.shape[0]):
         j = first_rows[c]
         while j < robots.shape[0] and robots[j] == touching[c]:
             if wanted[j]:
-                bearing = (
-                    math.atan2(points[c, 1] - origins[j, 1], points[c, 0] - origins[j, 0])
-                    - origins[j, 2]
-                )
+                ax, ay = points[c, 0] - origins[j, 0], points[c, 1] - origins[j, 1]
+                bx, by = ends[c, 0] - origins[j, 0], ends[c, 1] - origins[j, 1]
+                if ax * by - ay * bx < 0.0:  # counter-clockwise, so that it spans less than a turn
+                    ax, ay, bx, by = bx, by, ax, ay
+                begin = math.atan2(ay, ax) - origins[j, 2]
+                cross, dot = ax * by - ay * bx, ax * bx + ay * by
+                span = math.atan2(cross, dot)
+                if dot <= 0.0 and cross <= 1e-9 * math.hypot(bx - ax, by - ay):
+                    span = turn  # it touches at the very place from which bearings count
                 for k in range(arcs.shape[0]):
-                    past = bearing - arcs[k, 0]
-                    past -= turn * math.floor(past / turn)
-                    width = arcs[k, 1] - arcs[k, 0]
-                    # 1e-12: a contact on the border of two switches closes both, rounding or not
-                    if past <= width + 1e-12 or past >= turn - 1e-12:
+                    ahead, behind = begin - arcs[k, 0], arcs[k, 0] - begin
+                    ahead -= turn * math.floor((ahead + BORDER) / turn)
+                    behind -= turn * math.floor((behind + BORDER) / turn)
+                    # It begins within the arc, or the arc within it.
+                    if ahead <= arcs[k, 1] - arcs[k, 0] + BORDER or behind <= span + BORDER:
                         bits[j, k] = True
             j += 1

@@ -1,7 +1,8 @@
 """The cone kernel: how far away the nearest point within a cone is, as a sonar measures it.
 
 The nearest point of an edge within a cone is the foot of the perpendicular, one of the edge's
-ends, or where one of the cone's sides crosses the edge; nothing nearer can hide it.
+ends, or where one of the cone's sides crosses the edge; nothing nearer can hide it. A cone whose
+tip lies within something solid measures 0.
 """
 
 import math
@@ -9,8 +10,10 @@ import math
 import numpy as np
 
 from .compiled import compiled
-from .grid import Bodies, Floats, Ints, Walls, locate, ring_cells
+from .grid import Floats, Ints, locate, ring_cells
 from .picture import ON, SLACK, stands_on
+from .scene import Seen
+from .solids import OUTSIDE, side_of, stands_within
 
 
 @compiled
@@ -61,11 +64,10 @@ def _circle_distance(
 ) -> float:
     """How near a circle about (x, y) comes within the cone; infinity if it does not."""
     centre = math.hypot(x, y)
-    if abs(centre - radius) <= ON:
+    if centre - radius <= ON:
         return 0.0
-    outside = 1.0 if centre > radius else -1.0  # inside, the nearest point is behind
-    if _within(outside * x, outside * y, fov, side_x, side_y):
-        return abs(centre - radius)
+    if _within(x, y, fov, side_x, side_y):
+        return centre - radius
     best = math.inf
     power = (centre - radius) * (centre + radius)
     for turn in range(2):
@@ -73,17 +75,15 @@ def _circle_distance(
         toward, aside = x * dx + y * dy, abs(x * dy - y * dx)
         if aside > radius:
             continue
-        half = math.sqrt((radius - aside) * (radius + aside))
-        if power < 0.0:
-            best = min(best, half + toward if toward > 0.0 else power / (toward - half))
-        elif toward > 0.0:
+        if toward > 0.0:
+            half = math.sqrt((radius - aside) * (radius + aside))
             best = min(best, power / (toward + half))
     return best
 
 
 @compiled
 def cast_cones(
-    seen: tuple[Bodies, Walls],
+    seen: Seen,
     origins: Floats,
     own: Ints,
     fov: float,
@@ -98,7 +98,7 @@ def cast_cones(
         own: (n,) the entity that each sensor does not see, or -1.
         fov: the cones' width in radians, sides included, at most 2 pi.
     """
-    bodies, walls = seen
+    bodies, walls, solids = seen
     bounds, shapes, vertices, body_frame, body_start, body_items = bodies
     segments, owners, wall_frame, wall_start, wall_items = walls
     cells = np.empty(max(body_start.shape[0], wall_start.shape[0]), np.int64)
@@ -106,6 +106,9 @@ def cast_cones(
     for j in range(origins.shape[0]):
         ox, oy = origins[j, 0], origins[j, 1]
         cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
+        if stands_within(solids, own[j], ox, oy) >= 0:
+            ranges[j] = 0.0
+            continue
         best = max_range
 
         column, row, first, last, inset = locate(wall_frame, ox, oy)
@@ -145,6 +148,12 @@ def cast_cones(
                         best = min(best, _circle_distance(ax, ay, radius, fov, side_x, side_y))
                         continue
                     begin, end = shapes[s, 1], shapes[s, 1] + shapes[s, 2]
+                    reach = radius + ON
+                    if x * x + y * y <= reach * reach and (
+                        side_of(vertices, begin, end, ox, oy) != OUTSIDE
+                    ):
+                        best = 0.0
+                        break
                     for v in range(begin, end):
                         w = v + 1 if v + 1 < end else begin
                         x, y = vertices[v, 0] - ox, vertices[v, 1] - oy

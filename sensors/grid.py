@@ -114,7 +114,7 @@ def place_bodies(
 
 
 @compiled
-def _touches(x: float, y: float, half: float, wall: Floats) -> bool:
+def touches(x: float, y: float, half: float, wall: Floats) -> bool:
     """Whether a wall (ax, ay, ex, ey) touches the square about (x, y), rounding included."""
     ax, ay, ex, ey = wall[0] - x, wall[1] - y, wall[2], wall[3]
     reach = half * (1.0 + 1e-9) + 1e-9
@@ -147,7 +147,7 @@ def sort_walls(walls: Floats, frame: Floats, start: Ints, items: Ints) -> int:
             for row in range(first_row, last_row + 1):
                 for column in range(first_column, last_column + 1):
                     x, y = x0 + (column + 0.5) * size, y0 + (row + 0.5) * size
-                    if not _touches(x, y, 0.5 * size, walls[w]):
+                    if not touches(x, y, 0.5 * size, walls[w]):
                         continue
                     cell = row * columns + column
                     if filling == 1:
@@ -204,20 +204,25 @@ def ring_cells(frame: Floats, column: int, row: int, ring: int, cells: Ints) -> 
     return count
 
 
+def frame_over(points: Floats, count: int) -> Floats:
+    """The frame of a grid over points (k, 2) that `count` things are made of; empty for none."""
+    frame = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    if count > 0:
+        low = points.min(axis=0) - 1e-6
+        width, height = points.max(axis=0) + 1e-6 - low
+        # About two things a cell; long ones lie in many cells, so not finer than 2**16 cells.
+        cells = min(max(count // 2, 16), 1 << 16)
+        size = max(math.sqrt(width * height / cells), max(width, height) / cells)
+        frame[:5] = low[0], low[1], size, int(width / size) + 1, int(height / size) + 1
+    return frame
+
+
 def wall_grid(walls: Floats) -> tuple[Floats, Ints, Ints]:
     """The walls' (M, 4: ax, ay, ex, ey) grid: (frame, start, items)."""
-    frame = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    frame = frame_over(np.concatenate([walls[:, :2], walls[:, :2] + walls[:, 2:]]), len(walls))
     if len(walls) == 0:
         return frame, np.zeros(2, np.int64), np.zeros(0, np.int64)
-    ends = np.concatenate([walls[:, :2], walls[:, :2] + walls[:, 2:]])
-    low = ends.min(axis=0) - 1e-6
-    width, height = ends.max(axis=0) + 1e-6 - low
-    # About two walls a cell; long walls lie in many cells, so not finer than 2**16 cells.
-    cells = min(max(len(walls) // 2, 16), 1 << 16)
-    size = max(math.sqrt(width * height / cells), max(width, height) / cells)
-    columns, rows = int(width / size) + 1, int(height / size) + 1
-    frame[:5] = low[0], low[1], size, columns, rows
-    start = np.zeros(columns * rows + 1, np.int64)
+    start = np.zeros(int(frame[3]) * int(frame[4]) + 1, np.int64)
     items = np.zeros(sort_walls(walls, frame, start, np.zeros(0, np.int64)), np.int64)
     sort_walls(walls, frame, start, items)
     return frame, start, items

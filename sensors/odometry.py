@@ -151,7 +151,8 @@ def _update(
         else:
             dx, dy, before = x - last[k, 0], y - last[k, 1], last[k, 2]
             cos, sin = math.cos(before), math.sin(before)
-            ahead, aside, turned = cos * dx + sin * dy, cos * dy - sin * dx, heading - before
+            ahead, aside = cos * dx + sin * dy, cos * dy - sin * dx
+            turned = _wrap(heading - before)  # 179 to -179 degrees is a turn by 2, not by 358
             way = math.hypot(ahead, aside)
             if way > 0.0:
                 stretch = 1.0 + slip * math.sqrt(way) * gaussian_at(keys[k], tick, 0) / way

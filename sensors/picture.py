@@ -73,22 +73,12 @@ def cover_circle(
     y: float,
     radius: float,
 ) -> bool:
-    """Draw a circle about (x, y) into the picture. True if the sensor stands on it."""
+    """Draw a circle about (x, y) into the picture. True if the sensor lies in or on it."""
     samples = depth.shape[0]
     distance = math.hypot(x, y)
-    if abs(distance - radius) <= ON:
+    if distance - radius <= ON:
         return True
     power = (distance - radius) * (distance + radius)
-    if power < 0.0:  # the sensor is inside
-        for i in range(samples):
-            toward = x * fan[0, i] + y * fan[1, i]
-            aside = abs(x * fan[1, i] - y * fan[0, i])
-            half = math.sqrt(max((radius - aside) * (radius + aside), 0.0))
-            w = 1.0 / (half + toward) if toward > 0.0 else (toward - half) / power
-            if w > depth[i]:
-                depth[i] = w
-                hits[i] = entity
-        return False
     spread = math.asin(radius / distance)
     per_radian = (samples - 1) / fov if samples > 1 else 1.0
     half_fov = 0.5 * fov if samples > 1 else 0.0  # a single ray looks ahead
@@ -143,7 +133,7 @@ def draw_polygon(
     sin: float,
     scratch: Floats,
 ) -> bool:
-    """Draw a polygon's edges into the picture. True if the sensor stands on one."""
+    """Draw a polygon's edges into the picture. True if the sensor lies in it or on one."""
     count = vertices.shape[0]
     outside = False
     for k in range(count):
@@ -159,11 +149,22 @@ def draw_polygon(
             outside = True
         scratch[k, 0], scratch[k, 1], scratch[k, 2], scratch[k, 3] = ax, ay, ex, ey
         scratch[k, 4], scratch[k, 5] = area, 9.0  # 9: bearing not known yet
-    near_sides_only = outside and convex
+    if convex and not outside:
+        return True
+    if not convex:
+        winding = 0
+        for k in range(count):
+            n = k + 1 if k + 1 < count else 0
+            if scratch[k, 1] <= 0.0 < scratch[n, 1] and scratch[k, 4] > 0.0:
+                winding += 1
+            elif scratch[n, 1] <= 0.0 < scratch[k, 1] and scratch[k, 4] < 0.0:
+                winding -= 1
+        if winding != 0:
+            return True
     for k in range(count):
         n = k + 1 if k + 1 < count else 0
         area, ex, ey = scratch[k, 4], scratch[k, 2], scratch[k, 3]
-        if near_sides_only and area > 0.0:
+        if convex and area > 0.0:  # the far sides
             continue
         if area * area <= EDGE_ON * EDGE_ON * (ex * ex + ey * ey):
             continue

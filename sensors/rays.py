@@ -5,8 +5,9 @@ run from the bearings of the edge's ends, and keep the nearest edge per ray (a 1
 buffer is `picture`'s. Cells of the grids are taken ring by ring from near to far, until nothing
 nearer can come.
 
-What a ray sees: the nearest point of any edge or circle of another entity, from either side.
-A sensor that stands on an edge or circle (within ON, 1e-9 m) reads 0 along all its rays.
+What a ray sees: the nearest point of any edge or circle of another entity. What has an inside
+(polygons, circles, and walls that were given one) is solid: a sensor that lies within it, or on
+an edge (within ON, 1e-9 m), reads 0 along all its rays.
 """
 
 import math
@@ -27,7 +28,8 @@ from .picture import (
     outside_view,
     stands_on,
 )
-from .scene import Scene
+from .scene import Scene, Seen
+from .solids import stands_within
 
 
 @compiled
@@ -120,7 +122,7 @@ def _draw_bodies(
     cos: float,
     sin: float,
 ) -> int:
-    """Draw all bodies. Returns the entity on whose edge the sensor stands, or -1."""
+    """Draw all bodies. Returns the entity in which the sensor lies, or -1."""
     bounds, shapes, vertices, frame, start, items = bodies
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     narrow = fov <= math.pi
@@ -171,7 +173,7 @@ def _draw_bodies(
 
 @compiled
 def cast_fans(
-    seen: tuple[Bodies, Walls],
+    seen: Seen,
     origins: Floats,
     own: Ints,
     rows: Ints,
@@ -190,7 +192,7 @@ def cast_fans(
         fan: (2, samples) cosines and sines of the rays' bearings; fov in radians.
         ranges, hits: (n, samples) written.
     """
-    bodies, walls = seen
+    bodies, walls, solids = seen
     cells = np.empty(max(bodies[4].shape[0], walls[3].shape[0]), np.int64)
     stamps = np.zeros(walls[0].shape[0] + 1, np.int64)  # per wall: the last sensor that drew it
     scratch = np.empty((most_corners(bodies[1]), 6))
@@ -201,9 +203,11 @@ def cast_fans(
             hit[i] = -1
         x, y = origins[j, 0], origins[j, 1]
         cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
-        on = _draw_walls(
-            walls, stamps, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin
-        )
+        on = stands_within(solids, own[j], x, y)
+        if on < 0:
+            on = _draw_walls(
+                walls, stamps, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin
+            )
         if on < 0:
             on = _draw_bodies(
                 bodies, scratch, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin

@@ -8,7 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from .grid import Bodies, Flags, Floats, Ints, Walls, place_bodies, wall_grid
+from .solids import Solids, sort_solids
 
+Seen = tuple[Bodies, Walls, Solids]
+"""What the kernels take: `Scene.arrays`."""
 Colors = npt.NDArray[np.uint32]
 
 
@@ -19,6 +22,9 @@ class Scene:
     in its own frame. Polygons and circles are bodies: they may move at every tick. Segments are
     walls: they may move too, but that sorts all walls anew. Poses are x, y in metres and heading
     in radians, counter-clockwise from the x axis.
+
+    Bodies are solid: a sensor of another entity within one sees nothing but it, at range 0.
+    Segments alone are as thin as a sheet; `add_solid` tells what lies within walls made of them.
 
     Write new poses into `poses` (in place) or by `move`, then call `refresh`: sensors see what
     was true at the last `refresh`, except for colours, heights and fiducials, which they see as
@@ -36,14 +42,16 @@ class Scene:
         self._bounds: list[tuple[float, float, float]] = []
         self._vertices: list[Floats] = []
         self._walls: list[tuple[int, Floats]] = []
+        self._solids: list[tuple[int, Floats, bool]] = []
         self._stale = True
         self._walls_stale = True
         self._wall_entities = np.zeros(0, np.int64)
         self._wall_poses = np.zeros((0, 3))
-        self.arrays: tuple[Bodies, Walls]
+        self.arrays: Seen
         """What the kernels take."""
         self.bodies: Bodies
         self.walls: Walls
+        self.solids: Solids
         self.refresh()
 
     def __len__(self) -> int:
@@ -102,18 +110,10 @@ class Scene:
         Clockwise ones are turned round; concave ones are seen correctly too, only slower.
         """
         self._check(entity)
-        corners = np.array(vertices, np.float64)
-        if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
-            raise ValueError(f"a polygon needs (k, 2) vertices with k >= 3, not {corners.shape}")
+        corners, _ = _polygon(vertices)
         edges = np.roll(corners, -1, axis=0) - corners
         after = np.roll(edges, -1, axis=0)
         turns = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
-        before = np.roll(corners, 1, axis=0)
-        area = float(np.sum(before[:, 0] * corners[:, 1] - before[:, 1] * corners[:, 0]))
-        if not np.isfinite(corners).all() or area == 0.0:
-            raise ValueError(f"a polygon needs finite vertices and an area: {corners.tolist()}")
-        if area < 0.0:
-            corners, turns = corners[::-1].copy(), -turns
         # All turns to the left, and once round in all: a star turns left too, but twice round.
         angles = np.arctan2(turns, np.sum(edges * after, axis=1))
         convex = bool((turns >= 0.0).all() and abs(angles.sum() - 2.0 * np.pi) < 1.0)
@@ -145,6 +145,16 @@ class Scene:
         self._walls.append((entity, lines))
         self._walls_stale = True
 
+    def add_solid(self, entity: int, vertices: npt.ArrayLike) -> None:
+        """Make solid what lies within a polygon (k, 2) in the entity's frame.
+
+        A clockwise polygon is hollow: all but what lies within it is solid, as round an arena.
+        Nothing of it is seen; its faces are segments of the same entity.
+        """
+        self._check(entity)
+        self._solids.append((entity, *_polygon(vertices)))
+        self._walls_stale = True
+
     def move(self, entities: npt.ArrayLike, poses: npt.ArrayLike) -> None:
         """Give entities (k,) new poses (k, 3)."""
         self._poses[: self._count][np.asarray(entities)] = poses
@@ -171,7 +181,7 @@ class Scene:
             self._sort_walls()
             changed = True
         if changed:
-            self.arrays = (self.bodies, self.walls)
+            self.arrays = (self.bodies, self.walls, self.solids)
         bounds, shapes, vertices, frame, start, items = self.bodies
         lost = place_bodies(
             self._poses,
@@ -231,7 +241,8 @@ class Scene:
         self._stale = False
 
     def _sort_walls(self) -> None:
-        self._wall_entities = np.array(sorted({e for e, _ in self._walls}), np.int64)
+        standing = {e for e, _ in self._walls} | {e for e, _, _ in self._solids}
+        self._wall_entities = np.array(sorted(standing), np.int64)
         self._wall_poses = self._poses[self._wall_entities].copy()
         if not np.isfinite(self._wall_poses).all():
             raise ValueError("the pose of a wall is not finite")
@@ -239,13 +250,44 @@ class Scene:
         for entity, lines in self._walls:
             if self._hidden[entity]:
                 continue
-            x, y, heading = self._poses[entity]
-            cos, sin = np.cos(heading), np.sin(heading)
-            turn = np.array([[cos, sin], [-sin, cos]])
-            start, end = lines[:, :2] @ turn + (x, y), lines[:, 2:] @ turn + (x, y)
+            start, end = self._placed(entity, lines[:, :2]), self._placed(entity, lines[:, 2:])
             long = (start != end).any(axis=1)
             placed.append(np.hstack([start, end - start])[long])
             owners.append(np.full(int(long.sum()), entity, np.int64))
         walls = np.ascontiguousarray(np.concatenate(placed))
         self.walls = (walls, np.concatenate(owners), *wall_grid(walls))
+        corners, pieces, count = [np.empty((0, 2))], [], 0
+        for entity, vertices, hollow in self._solids:
+            if not self._hidden[entity]:
+                pieces.append((entity, count, len(vertices), int(hollow)))
+                corners.append(self._placed(entity, vertices))
+                count += len(vertices)
+        self.solids = sort_solids(
+            np.ascontiguousarray(np.concatenate(corners)),
+            np.array(pieces, np.int64).reshape(-1, 4),
+        )
         self._walls_stale = False
+
+    def _placed(self, entity: int, points: Floats) -> Floats:
+        """Points (k, 2) of an entity's frame in the world."""
+        x, y, heading = self._poses[entity]
+        cos, sin = np.cos(heading), np.sin(heading)
+        placed: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
+        return placed
+
+
+def _polygon(vertices: npt.ArrayLike) -> tuple[Floats, bool]:
+    """The vertices (k, 2) of a polygon counter-clockwise, and whether they were clockwise.
+
+    Raises:
+        ValueError: fewer than three, not finite, or without an area.
+    """
+    corners = np.array(vertices, np.float64)
+    if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
+        raise ValueError(f"a polygon needs (k, 2) vertices with k >= 3, not {corners.shape}")
+    own = corners - corners[:1]
+    before = np.roll(own, 1, axis=0)
+    area = float(np.sum(before[:, 0] * own[:, 1] - before[:, 1] * own[:, 0]))
+    if not np.isfinite(corners).all() or area == 0.0:
+        raise ValueError(f"a polygon needs finite vertices and an area: {corners.tolist()}")
+    return (corners[::-1].copy() if area < 0.0 else corners), area < 0.0

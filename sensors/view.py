@@ -14,12 +14,14 @@ from .scene import Scene
 
 @dataclass
 class Contacts:
-    """Where bodies touch something, in this tick."""
+    """Where bodies touch something, in this tick: straight stretches of their outlines."""
 
     robots: Ints
     """(k,) robot indices, as `Suite.add_robot` gave them."""
     points: Floats
-    """(k, 2) metres, in the world."""
+    """(k, 2) where each stretch begins; metres, in the world."""
+    ends: Floats | None = None
+    """(k, 2) where it ends; None where all of them are single points."""
 
     @classmethod
     def none(cls) -> Contacts:

@@ -13,6 +13,7 @@ from sensors.suite import Suite
 from sensors.view import Contacts
 from sim.stage.floor import FloorPaint
 from sim.stage.geometry import outline
+from sim.stage.layout import Layout
 from sim.stage.stage import Stage
 from sim.worldfile import LoadedWorld
 from sim.worldfile.schema import Model
@@ -41,13 +42,21 @@ class Scenery:
             np.int64,
         )
 
-    def add_walls(self, layout: Any) -> None:
-        """One entity for the walls of each colour and height."""
-        looks = list(zip(layout.segment_colors, layout.segment_heights, strict=True))
-        for color, height in dict.fromkeys(looks):
-            entity = self.scene.add_entity(color=int(color), height=float(height))
+    def add_walls(self, layout: Layout) -> None:
+        """One entity for what stands of each colour and height."""
+        scene, entities = self.scene, {}
+        faces = list(zip(layout.segment_colors, layout.segment_heights, strict=True))
+        rounds = [(solid, solid.circle) for solid in layout.solids if solid.circle is not None]
+        for look in dict.fromkeys([*faces, *((solid.color, solid.height) for solid, _ in rounds)]):
+            color, height = look
+            entity = scene.add_entity(color=int(color), height=float(height))
+            entities[look] = entity
             same = (layout.segment_colors == color) & (layout.segment_heights == height)
-            self.scene.add_segments(entity, layout.segments[same])
+            scene.add_segments(entity, layout.segments[same])
+        for solid in layout.insides:
+            scene.add_solid(entities[solid.color, solid.height], solid.vertices)
+        for solid, (x, y, radius) in rounds:
+            scene.add_circle(entities[solid.color, solid.height], radius, (x, y))
 
     def add_body(self, body: Any, color: int, height: float, fiducial: int, pose: Any) -> int:
         """A body that sensors see; its entity."""
@@ -84,8 +93,7 @@ class Scenery:
         if len(self.movables):
             self.scene.move(self.movables, self.stage.movable_poses)
         self.scene.refresh()
-        robots, points = self.stage.contact_points
-        self.suite.contacts = Contacts(robots, points)
+        self.suite.contacts = Contacts(*self.stage.stretches)
 
     def put(self, robot: int, pose: tuple[float, float, float]) -> None:
         """Put a robot at a pose in the world by hand: no wheel turns."""

@@ -103,7 +103,12 @@ def add_solids(space: pymunk.Space, solids: tuple[Solid, ...]) -> dict[int, int]
         if solid.group not in bodies:
             bodies[solid.group] = pymunk.Body(body_type=pymunk.Body.STATIC)
             space.add(bodies[solid.group])
-        shape = pymunk.Poly(bodies[solid.group], solid.vertices.tolist())
+        body = bodies[solid.group]
+        shape: pymunk.Shape
+        if solid.circle is None:
+            shape = pymunk.Poly(body, solid.vertices.tolist())
+        else:
+            shape = pymunk.Circle(body, solid.circle[2], solid.circle[:2])
         shape.friction = solid.friction
         space.add(shape)
     return {body.id: group for group, body in bodies.items()}

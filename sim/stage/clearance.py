@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.stage.compiled import compiled
-from sim.stage.geometry import Floats
+from sim.stage.geometry import CIRCLE_SIDES, Floats, circle_polygon
 from sim.stage.layout import Layout
 
 FINEST = 0.25
@@ -37,7 +37,13 @@ def clearance_of(layout: Layout) -> Clearance:
     cell = max(FINEST, math.sqrt(width * height / MOST_CELLS))
     cells = np.full((math.ceil(height / cell), math.ceil(width / cell)), FARTHEST, dtype=np.uint8)
     for solid in layout.solids:
-        _mark(cells, cell, solid.vertices)
+        outline = solid.vertices
+        if solid.circle is not None:
+            x, y, radius = solid.circle
+            # Sides of a cell at most: such a polygon leaves the circle by a tenth of a cell.
+            outline = circle_polygon(radius, max(CIRCLE_SIDES, math.ceil(7 * radius / cell)))
+            outline += (x, y)
+        _mark(cells, cell, outline)
     _spread(cells)
     return Clearance(cells, cell)
 

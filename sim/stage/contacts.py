@@ -1,4 +1,8 @@
-"""Who touches whom: counts how often robots began to touch, and where they touch now."""
+"""Who touches whom: counts how often robots began to touch, and where they touch now.
+
+Chipmunk tells a contact of two edges by the two ends of what they share. A touching stretch is
+the straight line between the two, and a single point where something round or a corner touches.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,7 @@ from sim.stage.compiled import compiled
 
 Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]
+NO_STRETCHES = np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2))
 _FACTOR = 2**32
 _HALF = 2**31
 
@@ -34,6 +39,9 @@ class Touches:
         """(k,) The robot of each contact point of the latest tick, ascending."""
         self.points: Floats = np.zeros((0, 2))
         """(k, 2) The points in the world."""
+        self.stretches: tuple[Indices, Floats, Floats] = NO_STRETCHES
+        """(m,) The robot of each touching stretch of the latest tick, ascending, and (m, 2), (m, 2)
+        where on the robot's own outline it begins and ends, in the world."""
 
     def rename(self, ids: Indices, things: Indices) -> None:
         """Set which body id (b,) ascending is which thing (b,)."""
@@ -49,6 +57,7 @@ class Touches:
             if len(self._keys):
                 self._keys = np.zeros(0, dtype=np.int64)
                 self.robots, self.points = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
+                self.stretches = NO_STRETCHES
             return
         if len(self._steps) == 1:
             pairs, points = self._steps[0]
@@ -57,7 +66,7 @@ class Touches:
             points = np.concatenate([points for _, points in self._steps])
         ends = np.array(list(accumulate(len(pairs) for pairs, _ in self._steps)), dtype=np.int64)
         self._steps.clear()
-        self._keys, self.robots, self.points = _gather(
+        self._keys, self.robots, self.points, self.stretches = _gather(
             pairs, points, ends, self._ids, self._things, self._first, self._keys, counts
         )
 
@@ -71,13 +80,14 @@ class Touches:
 def _gather(
     pairs: Any, points: Any, ends: Any, ids: Any, things: Any, first: int, before: Any, counts: Any
 ) -> Any:
-    """The tick's touching pairs as sorted keys, and their points sorted by robot, then place.
+    """The tick's touching pairs as sorted keys, their points and their stretches, both sorted.
 
     ends (s,): where each step's rows end. before: the keys of the tick before. A pair's points
     are those of the last step in which it touched. counts goes up per pair that is new.
     """
     rows = np.empty(2 * len(pairs), dtype=np.int64)
     keys = np.empty(2 * len(pairs), dtype=np.int64)
+    sides = np.empty(2 * len(pairs), dtype=np.int64)
     found = 0
     for row in range(len(pairs)):
         if pairs[row, 2] == 0:
@@ -86,9 +96,11 @@ def _gather(
         two = things[np.searchsorted(ids, np.int64(pairs[row, 1]))]
         if one >= first:
             keys[found], rows[found] = (one - first) * _FACTOR + two + _HALF, row
+            sides[found] = 0
             found += 1
         if two >= first:
             keys[found], rows[found] = (two - first) * _FACTOR + one + _HALF, row
+            sides[found] = 1
             found += 1
     keys, rows = keys[:found], rows[:found]
     touching = np.unique(keys)
@@ -96,34 +108,54 @@ def _gather(
     for k in range(found):
         at = np.searchsorted(touching, keys[k])
         last[at] = max(last[at], np.searchsorted(ends, rows[k], side="right"))
-    robots = np.empty(2 * found, dtype=np.int64)
-    places = np.empty((2 * found, 2))
-    shown = 0
+    places = np.empty((2 * found, 3))
+    stretches = np.empty((found, 5))
+    shown, touched = 0, 0
     for k in range(found):
         row = rows[k]
         at = np.searchsorted(touching, keys[k])
         if np.searchsorted(ends, row, side="right") < last[at]:
             continue
-        for c in range(min(2, int(pairs[row, 2]))):
-            robots[shown] = keys[k] // _FACTOR
+        robot, other = keys[k] // _FACTOR, 1 if pairs[row, 2] > 1 else 0
+        for c in range(other + 1):
+            places[shown, 0] = robot
             for axis in range(2):
-                places[shown, axis] = (points[row, c, 0, axis] + points[row, c, 1, axis]) / 2.0
+                places[shown, 1 + axis] = (points[row, c, 0, axis] + points[row, c, 1, axis]) / 2.0
             shown += 1
+        start, end = points[row, 0, sides[k]], points[row, other, sides[k]]
+        if end[0] < start[0] or (end[0] == start[0] and end[1] < start[1]):
+            start, end = end, start
+        stretches[touched, 0] = robot
+        stretches[touched, 1:3] = start
+        stretches[touched, 3:5] = end
+        touched += 1
     for k in range(len(touching)):
         at = np.searchsorted(before, touching[k])
         if at == len(before) or before[at] != touching[k]:
             counts[touching[k] // _FACTOR] += 1
-    order = np.argsort(robots[:shown], kind="mergesort")
-    robots, places = robots[order], places[order]
-    for i in range(1, shown):  # by x, then y, within each robot
-        robot, x, y = robots[i], places[i, 0], places[i, 1]
+    places, stretches = _sorted(places[:shown]), _sorted(stretches[:touched])
+    return (
+        touching,
+        places[:, 0].astype(np.int64),
+        places[:, 1:].copy(),
+        (stretches[:, 0].astype(np.int64), stretches[:, 1:3].copy(), stretches[:, 3:].copy()),
+    )
+
+
+@compiled
+def _sorted(rows: Any) -> Any:
+    """Rows (n, k) by their first number, and where those are equal by the next, and so on."""
+    found = rows[np.argsort(rows[:, 0], kind="mergesort")]
+    for i in range(1, len(found)):
+        row = found[i].copy()
         j = i
-        while (
-            j > 0
-            and robots[j - 1] == robot
-            and (places[j - 1, 0] > x or (places[j - 1, 0] == x and places[j - 1, 1] > y))
-        ):
-            places[j, 0], places[j, 1] = places[j - 1, 0], places[j - 1, 1]
+        while j > 0:
+            column = 0
+            while column < len(row) - 1 and found[j - 1, column] == row[column]:
+                column += 1
+            if found[j - 1, column] <= row[column]:
+                break
+            found[j] = found[j - 1]
             j -= 1
-        places[j, 0], places[j, 1] = x, y
-    return touching, robots, places
+        found[j] = row
+    return found

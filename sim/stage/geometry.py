@@ -12,8 +12,9 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 CIRCLE_SIDES = 48
-"""Sides of the polygon that stands for a standing circular obstacle. It has the circle's area;
-its outline is nowhere further from the circle than 0.2 % of the radius (1 - cos(pi / 48))."""
+"""Sides of the polygon that stands for a circle in pictures, placement and coverage; sensors and
+physics know the circle itself. It has the circle's area; its outline is nowhere further from the
+circle than 0.2 % of the radius (1 - cos(pi / 48))."""
 
 
 def rotated(points: ArrayLike, heading: float) -> Floats:

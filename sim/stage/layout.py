@@ -39,7 +39,8 @@ class Solid:
 
     vertices (k, 2) counter-clockwise in the world; color 0xRRGGBB; height in metres. Pieces of
     one thing (all blocks of a map) share `group`, so that a robot that slides from block to
-    block touches one wall once.
+    block touches one wall once. circle: x, y and radius in metres of what is round; its vertices
+    are those of a polygon of the same area, for pictures and placement.
     """
 
     vertices: Floats
@@ -47,6 +48,7 @@ class Solid:
     height: float
     friction: float = WALL_FRICTION
     group: int = 0
+    circle: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -90,8 +92,10 @@ class Layout:
     size: (width, height) metres, from the origin. region: convex polygon (k, 2) or None.
     arena (k, 2): where robots may be: within the size, or the region where its edges are walls.
     solids: all that stands, for physics and drawing; the boundary lies outside of `size`.
-    segments (m, 4) with segment_colors (m,) uint32 and segment_heights (m,): the faces of the
-    solids that can be seen, merged, for the sensors. raster: the map's walls, or None.
+    segments (m, 4) with segment_colors (m,) uint32 and segment_heights (m,): the straight faces
+    of the solids that can be seen, merged, for the sensors. insides: what lies behind those faces:
+    the solids but for round ones, and in place of the boundary's walls the arena, clockwise: all
+    that lies outside of it is wall. raster: the map's walls, or None.
     grid: the text map's walls (rows, columns) bool, row 0 at the top, and `cell` its cell size
     in metres; both None for other worlds.
     """
@@ -104,6 +108,7 @@ class Layout:
     segments: Floats
     segment_colors: np.ndarray[Any, np.dtype[np.uint32]]
     segment_heights: Floats
+    insides: tuple[Solid, ...]
     movables: tuple[Movable, ...]
     doors: tuple[DoorCell, ...]
     raster: Raster | None
@@ -153,6 +158,7 @@ def build_layout(world: World, folder: Path) -> Layout:
     size = _size(world, raster, is_text)
     region = None if world.region is None else counter_clockwise(world.region)
     solids: list[Solid] = []
+    insides: list[Solid] = []
     faces = _Faces()
     group = 0
     wall = world.boundary
@@ -164,12 +170,15 @@ def build_layout(world: World, folder: Path) -> Layout:
             solids.append(Solid(vertices, wall.color, wall.height, group=group))
             group += 1
         faces.add(inner_faces(ring, wall.thickness), wall.color, wall.height)
+        insides.append(Solid(ring[::-1], wall.color, wall.height))
     if raster is not None and world.map is not None:
         color, height = world.map.color, world.map.height
-        solids += [
+        blocks = [
             Solid(rectangle(*edges), color, height, group=group)
             for edges in rectangles_in_world(raster)
         ]
+        solids += blocks
+        insides += blocks
         group += 1
         faces.add(merged_outlines(raster), color, height)
     movables: list[Movable] = []
@@ -184,8 +193,13 @@ def build_layout(world: World, folder: Path) -> Layout:
                 Movable(entry, pose, entry.color, entry.height, entry.mass, entry.friction)
             )
             continue
-        solids.append(Solid(vertices, entry.color, entry.height, entry.friction, group))
+        circle = (x, y, entry.radius) if entry.shape == "circle" else None
+        solid = Solid(vertices, entry.color, entry.height, entry.friction, group, circle)
+        solids.append(solid)
         group += 1
+        if circle is not None:
+            continue
+        insides.append(solid)
         ends = np.roll(vertices, -1, axis=0)
         faces.add(np.concatenate([vertices, ends], axis=1), entry.color, entry.height)
     return Layout(
@@ -197,6 +211,7 @@ def build_layout(world: World, folder: Path) -> Layout:
         segments=np.concatenate([np.zeros((0, 4)), *faces.segments]),
         segment_colors=np.array(faces.colors, dtype=np.uint32),
         segment_heights=np.array(faces.heights, dtype=np.float64),
+        insides=tuple(insides),
         movables=tuple(movables),
         doors=_doors(world, raster, door_cells, is_text),
         raster=raster,

@@ -297,6 +297,15 @@ class Stage:
         return self._touches.robots, self._touches.points
 
     @property
+    def stretches(self) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Robots (m,) ascending, and where they touched something in the latest tick.
+
+        (m, 2) and (m, 2): where the straight stretch of the robot's own outline that touched begins
+        and ends; the same where a corner or something round touches in a point.
+        """
+        return self._touches.stretches
+
+    @property
     def touching(self) -> Bools:
         """(n,) Which robots touched anything in the latest tick."""
         found = np.zeros(self._count, dtype=np.bool_)

@@ -29,9 +29,12 @@ class World:
     centre: list[complex] = field(default_factory=list)
     radius: list[float] = field(default_factory=list)
     circle_owner: list[int] = field(default_factory=list)
+    solid: list[tuple[int, npt.NDArray[np.complex128], bool]] = field(default_factory=list)
+    """Owner, corners, and whether all but what lies within them is solid."""
 
     def polygon(self, owner: int, pose: Floats, vertices: Floats) -> None:
         corners = placed(pose, vertices)
+        self.solid.append((owner, corners, False))
         self.a += list(corners)
         self.b += list(np.roll(corners, -1))
         self.edge_owner += [owner] * len(corners)
@@ -40,6 +43,30 @@ class World:
         self.a += list(placed(pose, segments[:, :2]))
         self.b += list(placed(pose, segments[:, 2:]))
         self.edge_owner += [owner] * len(segments)
+
+    def inside(self, owner: int, pose: Floats, vertices: Floats, hollow: bool) -> None:
+        """What lies within walls (or, if hollow, without), whose faces are segments."""
+        self.solid.append((owner, placed(pose, vertices), hollow))
+
+    def within(self, here: complex, own: int) -> int:
+        """The owner of something solid in which a point lies, or on whose edge; -1 for none.
+
+        A point lies in a polygon if the corners, seen from it, go all the way round.
+        """
+        for owner, corners, hollow in self.solid:
+            toward = corners - here
+            edge = np.roll(corners, -1) - corners
+            part = np.clip(-_dot(toward, edge) / np.abs(edge) ** 2, 0.0, 1.0)
+            if owner != own and (np.abs(toward + part * edge) <= ON).any():
+                return owner
+            if owner != own:
+                turns = np.angle(np.roll(toward, -1) / toward).sum() / (2 * np.pi)
+                if (abs(turns) > 0.5) != hollow:
+                    return owner
+        for owner, centre, radius in zip(self.circle_owner, self.centre, self.radius, strict=True):
+            if owner != own and abs(centre - here) <= radius + ON:
+                return owner
+        return -1
 
     def circle(self, owner: int, pose: Floats, radius: float) -> None:
         self.centre.append(complex(pose[0], pose[1]))
@@ -73,6 +100,9 @@ def scan(world: World, origin: Floats, own: int, bearings: Floats, max_range: fl
     """One sensor's scan: `origin` is x, y, heading in the world."""
     here = complex(origin[0], origin[1])
     ray = np.exp(1j * (origin[2] + bearings))
+    solid = world.within(here, own)
+    if solid >= 0:
+        return _zero(solid, len(bearings))
     low_t, high_t, sensitive, owners = [], [], [], []
     a, b = np.array(world.a), np.array(world.b)
     mine = np.array(world.edge_owner, int) != own
@@ -105,20 +135,15 @@ def scan(world: World, origin: Floats, own: int, bearings: Floats, max_range: fl
         owner = np.array(world.circle_owner, int)[circles]
         centre = np.array(world.centre)[circles] - here
         radius = np.array(world.radius)[circles]
-        touching = np.abs(np.abs(centre) - radius) <= ON
-        if touching.any():
-            return _zero(int(owner[touching.argmax()]), len(bearings))
         half_b = _dot(centre[:, None], ray[None])
         root = half_b**2 - (np.abs(centre) ** 2 - radius**2)[:, None]
         with np.errstate(invalid="ignore"):
-            near, far = half_b - np.sqrt(root), half_b + np.sqrt(root)
-        t = np.where(near >= 0, near, far)
+            t = half_b - np.sqrt(root)
         hit = (root >= 0) & (t >= 0)
         with np.errstate(divide="ignore", invalid="ignore"):
             tangent = np.arcsin(np.minimum(radius / np.abs(centre), 1.0))[:, None]
         off = np.abs(np.angle(centre[:, None] / ray[None]))
-        outside = np.abs(centre)[:, None] > radius[:, None]
-        grazing = outside & (np.abs(off - tangent) <= CORNER)
+        grazing = np.abs(off - tangent) <= CORNER
         # A ray turned by CORNER into the circle hits this much before the tangent's point.
         deeper = half_b - np.sqrt(2 * CORNER * radius * np.abs(centre))[:, None]
         low_t.append(np.where(grazing, deeper, np.where(hit, t, np.inf)))
@@ -156,6 +181,8 @@ def cone(
     turn = np.exp(1j * origin[2])
     here = complex(origin[0], origin[1])
     sides = np.exp(np.array([0.5j, -0.5j]) * fov)
+    if world.within(here, own) >= 0:
+        return 0.0, 0.0
     free: list[complex] = []  # points that may lie in the cone
     crossing: list[complex] = []  # points that lie on a side of it
     for a, b, owner in zip(world.a, world.b, world.edge_owner, strict=True):
@@ -174,9 +201,7 @@ def cone(
         if owner == own:
             continue
         c = (centre - here) / turn
-        if abs(abs(c) - radius) <= ON:
-            return 0.0, 0.0
-        free += [c - radius * c / abs(c), c + radius * c / abs(c)] if c else [complex(radius)]
+        free += [c - radius * c / abs(c), c + radius * c / abs(c)]
         for side in sides:
             root = _dot(c, side) ** 2 - abs(c) ** 2 + radius**2
             if root >= 0:

@@ -33,6 +33,7 @@ def crowd(robots, density, *specs):
     wall = scene.add_entity(color=0xFF0000)
     corners = np.array([[0, 0], [side, 0], [side, side], [0, side]])
     scene.add_segments(wall, np.hstack([corners, np.roll(corners, -1, axis=0)]))
+    scene.add_solid(wall, corners[::-1])
     suite = Suite(scene, 1)
     for k in range(robots):
         pose = (*rng.uniform(0.5, side - 0.5, 2), rng.uniform(-np.pi, np.pi))

@@ -66,20 +66,25 @@ def test_being_carried_about_turns_no_wheel(slip):
     np.testing.assert_allclose(reported, [2, 0, 0], atol=1e-9)
 
 
-def errors(slip, turn, moves, robots=400):
-    """Reported minus exact poses (robots, 3) after the same moves of many robots."""
+def errors(slip, turn, moves, robots=400, start=0.0):
+    """Reported minus exact poses (robots, 3) after the same moves of many robots.
+
+    Headings are told as a stage tells them: in (-pi, pi]. The yaw's error is within half a turn.
+    """
     noisy, exact = Odometry(7), Odometry(7)
     for k in range(robots):
-        noisy.add_robot(f"r{k}", (0, 0, 0), slip=slip, turn=turn)
-        exact.add_robot(f"r{k}", (0, 0, 0))
-    x = y = heading = 0.0
+        noisy.add_robot(f"r{k}", (0, 0, start), slip=slip, turn=turn)
+        exact.add_robot(f"r{k}", (0, 0, start))
+    x, y, heading = 0.0, 0.0, start
     for tick, (ahead, rotation) in enumerate(moves):
         x, y = x + np.cos(heading) * ahead, y + np.sin(heading) * ahead
         heading += rotation
-        true = np.tile([x, y, heading], (robots, 1))
+        true = np.tile([x, y, np.pi - (np.pi - heading) % (2 * np.pi)], (robots, 1))
         noisy.update(true, 0.1, tick)
         exact.update(true, 0.1, tick)
-    return noisy.poses - exact.poses
+    off = noisy.poses - exact.poses
+    off[:, 2] = (off[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    return off
 
 
 @pytest.mark.parametrize("steps", [10, 250])
@@ -93,10 +98,32 @@ def test_the_distance_error_grows_with_the_root_of_the_way_however_often_one_loo
     np.testing.assert_array_equal(off[:, 1:], 0)
 
 
-def test_the_heading_error_grows_with_the_root_of_the_angle_turned():
-    off = errors(0.0, 0.05, [(0.0, 0.02)] * 100)
-    assert off[:, 2].std() == pytest.approx(0.05 * np.sqrt(2), rel=5 / np.sqrt(800))
+@pytest.mark.parametrize("turned", [2.0, -2.0, 2 * np.pi, -2 * np.pi])
+@pytest.mark.parametrize("start", np.radians([0, 90, 135, 177, 180, -90, -170]))
+def test_the_heading_error_grows_with_the_root_of_the_angle_turned(start, turned):
+    off = errors(0.0, 0.05, [(0.0, turned / 100)] * 100, start=start)
+    # 400 robots: a deviation is known to 1 / sqrt(800), a mean to 1 / 20 of it; five of each.
+    expected = 0.05 * np.sqrt(abs(turned))
+    assert off[:, 2].std() == pytest.approx(expected, rel=5 / np.sqrt(800))
+    assert abs(off[:, 2].mean()) < 5 * expected / 20
     np.testing.assert_array_equal(off[:, :2], 0)
+
+
+def test_odometry_drifts_the_same_wherever_the_world_has_its_zero_of_headings():
+    """The increments alone count, so robots that start at any heading report one and the same."""
+    moves = [(0.05, 0.07)] * 100
+    reported = []
+    for start in (0.0, np.pi / 2, np.pi, -np.radians(178)):
+        odometry = Odometry(3)
+        odometry.add_robot("a", (0, 0, start), slip=0.02, turn=0.05)
+        x, y, heading = 0.0, 0.0, start
+        for tick, (ahead, rotation) in enumerate(moves):
+            x, y = x + np.cos(heading) * ahead, y + np.sin(heading) * ahead
+            heading += rotation
+            odometry.update([[x, y, np.pi - (np.pi - heading) % (2 * np.pi)]], 0.1, tick)
+        reported.append(odometry.poses[0].copy())
+    # 100 increments, each rounded at 1e-15 and its noise with it, turned by a yaw as exact.
+    np.testing.assert_allclose(reported, [reported[0]] * 4, atol=1e-10)
 
 
 def test_a_robot_that_stands_does_not_drift():

@@ -89,7 +89,10 @@ pose = st.tuples(coordinate, coordinate, coordinate)
 
 @settings(max_examples=250)
 @given(
-    st.lists(st.tuples(pose, st.sampled_from(["box", "circle", "wall", "huge"])), max_size=8),
+    st.lists(
+        st.tuples(pose, st.sampled_from(["box", "circle", "wall", "huge", "block", "round"])),
+        max_size=8,
+    ),
     st.lists(pose, min_size=1, max_size=3),
     st.sampled_from([0.05, 0.5, np.pi / 2, np.pi, 4.0, 2 * np.pi]),
     st.sampled_from([1.0, 20.0]),
@@ -106,6 +109,13 @@ def test_a_cone_measures_what_brute_force_finds_nearest(things, sensors, fov, ma
             wall = np.array([[-1.0, 0.0, 1.5, 0.2]])
             scene.add_segments(entity, wall)
             world.segments(entity, place, wall)
+        elif kind in ("block", "round"):
+            corners = BOX if kind == "block" else BOX * 7
+            scene.add_solid(entity, corners if kind == "block" else corners[::-1])
+            world.inside(entity, place, corners, kind == "round")
+            faces = np.hstack([corners, np.roll(corners, -1, axis=0)])
+            scene.add_segments(entity, faces)
+            world.segments(entity, place, faces)
         else:
             shape = BOX if kind == "box" else BOX * (6, 4)
             scene.add_polygon(entity, shape)

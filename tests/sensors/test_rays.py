@@ -1,5 +1,7 @@
 """Rays see what brute force says they see."""
 
+import itertools
+
 import brute_force
 import numpy as np
 import pytest
@@ -41,6 +43,14 @@ class Pair:
     def room(self, x0, y0, x1, y1):
         return self.walls([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
 
+    def block(self, vertices, pose=(0.0, 0.0, 0.0), hollow=False):
+        """Walls with something solid behind them; hollow: round what lies within."""
+        corners = np.array(vertices, float)
+        entity = self.walls(np.hstack([corners, np.roll(corners, -1, axis=0)]), pose)
+        self.scene.add_solid(entity, corners[::-1] if hollow else corners)
+        self.world.inside(entity, np.array(pose, float), corners, hollow)
+        return entity
+
     def check(self, origins, own, fov, samples, max_range):
         self.scene.refresh()
         origins = np.array(origins, float).reshape(-1, 3)
@@ -58,6 +68,11 @@ def random_pair(rng, size):
     pair = Pair()
     if rng.random() < 0.7:
         pair.room(0, 0, size, size)
+    if rng.random() < 0.5:
+        pair.block(BOX * size + size / 2, hollow=True)
+    for _ in range(rng.integers(0, 12)):
+        pose = (*rng.uniform(0, size, 2), rng.uniform(-10, 10))
+        pair.block(BOX * rng.uniform(0.02, size / 4, 2), pose)
     if rng.random() < 0.5:
         a = rng.uniform(0, size, (rng.integers(1, 60), 2))
         pair.walls(np.hstack([a, a + rng.normal(0, size / 6, a.shape)]))
@@ -91,6 +106,9 @@ def test_random_crowds_look_as_brute_force_says(seed):
     pair.check(origins, np.array(robots), fov, samples, rng.choice([0.5, 5.0, 20.0]))
     strangers = np.column_stack([rng.uniform(-1, size + 1, (5, 2)), rng.uniform(-9, 9, 5)])
     pair.check(strangers, -1, fov, samples, 20.0)
+    around = np.vstack([pair.scene.world_edges()[0][:, :2], pair.scene.world_circles()[0][:, :2]])
+    on_the_rim = around[rng.integers(0, len(around), 20)] + rng.normal(0, 0.02, (20, 2))
+    pair.check(np.column_stack([on_the_rim, rng.uniform(-9, 9, 20)]), -1, fov, samples, 20.0)
 
 
 grid = st.integers(-12, 12).map(lambda k: k / 4)
@@ -134,7 +152,7 @@ def test_no_ray_leaves_a_closed_room_through_a_corner():
 def test_no_ray_slips_between_the_edges_of_a_regular_polygon():
     pair = Pair()
     angles = np.arange(64) * 2 * np.pi / 64
-    ring = pair.polygon((0, 0, 0.1), 5 * np.array([np.cos(angles), np.sin(angles)]).T)
+    ring = pair.block(5 * np.array([np.cos(angles), np.sin(angles)]).T, (0, 0, 0.1), hollow=True)
     origins = np.column_stack([np.zeros((160, 2)), np.arange(160) * np.pi / 80])
     _, hits = pair.check(origins, -1, 2 * np.pi, 65, 50.0)
     assert (hits == ring).all()
@@ -149,15 +167,73 @@ def test_a_sensor_on_a_wall_reads_zero_everywhere():
     assert (hits == wall).all()
 
 
-def test_a_sensor_inside_a_body_sees_its_edge_from_inside():
+U = [[-2, -2], [2, -2], [2, 2], [1, 2], [1, -1], [-1, -1], [-1, 2], [-2, 2]]
+
+
+def test_a_sensor_within_something_solid_reads_zero_everywhere():
     pair = Pair()
-    pair.polygon((0, 0, 0))
-    ball = pair.circle((5, 0, 0), 2.0)
-    ranges, _ = pair.check([[0, 0, 0]], -1, np.pi, 3, 10.0)
-    np.testing.assert_allclose(ranges, 0.5, atol=1e-12)
-    ranges, hits = pair.check([[5.5, 0, 0]], -1, 2 * np.pi, 5, 10.0)
-    np.testing.assert_allclose(ranges[0, [0, 2, 4]], [2.5, 1.5, 2.5], atol=1e-12)
-    assert (hits == ball).all()
+    things = {
+        pair.polygon((0, 0, 0.4)): [(0, 0), (0.4, 0.2), (-0.3, 0)],
+        pair.circle((5, 0, 0), 2.0): [(5, 0), (5.5, 0), (3.01, 0)],
+        pair.polygon((0, 8, 0), U): [(1.5, 9.9), (-1.5, 9), (0, 6.5), (1.001, 8)],
+        pair.block(BOX * 2, (9, 9, 0.3)): [(9, 9), (9.5, 9.3)],
+        pair.block(U, (20, 0, 0)): [(21.5, 1.9), (20, -1.5), (19, 1)],
+        pair.block(BOX * 80, hollow=True): [(40.001, 0), (-41, -41), (3, 1e6), (1e3, -1e3)],
+    }
+    for thing, places in things.items():
+        for fov in (0.1, np.pi, 2 * np.pi):
+            ranges, hits = pair.check([[*at, 0.3] for at in places], -1, fov, 5, 10.0)
+            assert (ranges == 0).all()
+            assert (hits == thing).all()
+    ranges, _ = pair.check([[0, 9, 0], [20, 1, 0], [9, 7.5, 0], [39.999, 0, 0]], -1, 1.0, 5, 10.0)
+    assert (ranges > 1e-4).all()  # within the bays of the U's, and just inside the hollow one
+
+
+def test_what_a_robot_carries_itself_is_not_in_the_way_of_its_sensors():
+    pair = Pair()
+    own = pair.block(BOX, (2, 2, 0.3))
+    pair.scene.add_circle(own, 1.0)
+    pair.room(0, 0, 8, 8)
+    ranges, _ = pair.check([[2, 2, 0], [2.2, 2, 1]], own, 1.0, 5, 10.0)
+    assert (ranges > 1).all()
+    pair.world.circle(own, np.array([2.0, 2, 0]), 1.0)
+    ranges, _ = pair.check([[2, 2, 0]], -1, 1.0, 5, 10.0)
+    assert (ranges == 0).all()
+
+
+def test_what_is_solid_moves_with_its_entity_and_is_hidden_with_it():
+    scene = Scene()
+    entity = scene.add_entity(pose=(5, 5, 0.3))
+    scene.add_solid(entity, BOX)
+    for pose, hidden, expected in [
+        ((5, 5, 0.3), False, 0.0),
+        ((7, 5, 0.3), False, 3.0),
+        ((5, 5, 2.0), False, 0.0),
+        ((5, 5, 2.0), True, 3.0),
+    ]:
+        scene.poses[entity] = pose
+        scene.hide(entity, hidden)
+        scene.refresh()
+        assert cast(scene, [[5.4, 5, 0]], [-1], 0.1, 1, 3.0)[0] == expected
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_pieces_side_by_side_have_no_seam(seed):
+    """A sensor exactly on the border of two pieces, or a rounding beside it, is within them."""
+    rng = np.random.default_rng(seed)
+    scene = Scene()
+    wall = scene.add_entity(pose=(0, 0, rng.uniform(-3, 3)))
+    edges = np.sort(rng.uniform(0, 30, 40))
+    for left, right in itertools.pairwise(edges):
+        scene.add_solid(wall, [[left, 0], [right, 0], [right, 1], [left, 1]])
+    scene.refresh()
+    local = edges + 1j * rng.uniform(0.01, 0.99, 40)
+    at = np.concatenate([local, local + rng.uniform(-1, 1, 40) * 1e-10])[np.r_[1:39, 41:79]]
+    at = at * np.exp(1j * scene.poses[wall, 2])
+    origins = np.column_stack([at.real, at.imag, 0 * at.real])
+    ranges, hits = cast(scene, origins, np.full(76, -1), 1.0, 3, 5.0)
+    assert (ranges == 0).all()
+    assert (hits == wall).all()
 
 
 def test_both_ends_of_the_fov_are_rays_and_the_right_one_is_the_first():
@@ -199,9 +275,7 @@ def test_bodies_much_larger_than_the_others_are_seen_from_everywhere():
 
 def test_a_concave_polygon_hides_its_own_far_edges():
     pair = Pair()
-    pair.polygon(
-        (0, 0, 0.2), [[-2, -2], [2, -2], [2, 2], [1, 2], [1, -1], [-1, -1], [-1, 2], [-2, 2]]
-    )
+    pair.polygon((0, 0, 0.2), U)
     rng = np.random.default_rng(1)
     origins = np.column_stack([rng.uniform(-4, 4, (200, 2)), rng.uniform(-3, 3, 200)])
     pair.check(origins, -1, np.pi, 60, 20.0)

@@ -54,8 +54,10 @@ def test_nobody_sees_its_own_body_but_all_its_shapes_belong_to_it():
     scene.add_polygon(robot, BOX)
     scene.add_circle(robot, 0.2, (2.0, 0.0))
     scene.add_segments(robot, [[3, -1, 3, 1]])
-    assert ahead(scene, own=robot) == (100.0, -1)
-    assert ahead(scene) == (pytest.approx(0.5), robot)
+    scene.add_solid(robot, [[3, -1], [4, -1], [4, 1], [3, 1]])
+    for x, seen in ((0.0, 0.0), (1.0, 0.8), (2.1, 0.0), (2.5, 0.5), (3.5, 0.0)):
+        assert ahead(scene, (x, 0, 0), own=robot) == (100.0, -1)
+        assert ahead(scene, (x, 0, 0)) == (pytest.approx(seen, abs=1e-12), robot)
 
 
 def test_a_circle_may_lie_beside_the_origin_of_its_entity():
@@ -70,7 +72,7 @@ def test_clockwise_polygons_are_turned_round():
     entity = scene.add_entity(pose=(3, 0, 0))
     scene.add_polygon(entity, BOX[::-1])
     assert ahead(scene)[0] == pytest.approx(2.5)
-    assert ahead(scene, (3, 0, 0))[0] == pytest.approx(0.5)
+    assert ahead(scene, (3, 0, 0)) == (0.0, entity)
 
 
 def test_a_scene_grows_while_it_is_in_use():
@@ -113,6 +115,8 @@ def test_mistakes_are_refused_with_a_reason():
         scene.add_polygon(entity, [[0, 0], [1, 1]])
     with pytest.raises(ValueError, match="an area"):
         scene.add_polygon(entity, [[0, 0], [1, 1], [2, 2]])
+    with pytest.raises(ValueError, match="an area"):
+        scene.add_solid(entity, [[0, 0], [1, 1], [2, 2]])
     with pytest.raises(ValueError, match="positive radius"):
         scene.add_circle(entity, 0.0)
     with pytest.raises(ValueError, match="finite"):

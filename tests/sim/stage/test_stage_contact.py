@@ -259,6 +259,39 @@ def test_contact_points_lie_on_both_bodies() -> None:
     assert points[:, 1].max() == pytest.approx(5.2, abs=0.02)
 
 
+def test_touching_stretches_lie_on_the_robots_own_outlines() -> None:
+    kinds = {"a": robot(), "b": robot("circle"), "c": robot("polygon")}
+    _, stage = set_up(models=kinds, obstacles=[{"shape": "box", "size": (1, 1), "pose": (5, 5, 9)}])
+    for k, (x, y) in enumerate(
+        [(4.2, 5.1), (5.8, 4.9), (5.0, 5.8), (4.9, 4.2), (3.4, 5), (6.6, 5)]
+    ):
+        heading = math.atan2(5 - y, 5 - x)
+        stage.add_robot(str(k), "abc"[k % 3], (x, y, heading))
+    stage.command(np.arange(6), [[0.5, 0.0, 0.0]] * 6)
+    for _ in range(25):
+        stage.tick()
+    robots, starts, ends = stage.stretches
+    assert set(robots) == set(range(6))
+    assert robots.tolist() == sorted(robots)
+    for number, *stretch in zip(robots, starts, ends, strict=True):
+        body, pose = stage.models[stage.model_names[number]].body, stage.poses[number]
+        for point in stretch:
+            if body.shape == "circle":
+                off = math.dist(point, pose[:2]) - body.radius
+            else:
+                outline = corners(body, pose)
+                edges = zip(outline, np.roll(outline, -1, axis=0), strict=True)
+                off = min(
+                    abs(np.linalg.det([q - p, point - p])) / math.dist(p, q) for p, q in edges
+                )
+            # Poses and contacts are those of one and the same step: only rounding is between them.
+            assert abs(off) < 1e-9
+        if body.shape == "circle":
+            assert np.array_equal(*stretch)
+    lengths = np.hypot(*(ends - starts).T)
+    assert 0.1 < lengths[robots == 0].max() <= 0.4  # a flat side on a flat one
+
+
 def test_robots_that_overlap_when_put_down_are_parted() -> None:
     _, stage = set_up(models={"a": robot()})
     stage.add_robot("a", "a", (5, 5, 0))
