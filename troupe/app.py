@@ -15,6 +15,8 @@ from troupe.print_command import print_
 from troupe.run_command import run
 from troupe.schema import schema
 from troupe.sensors_command import sensors
+from troupe.warm import warm
+from troupe.worlds_command import worlds
 
 app = typer.Typer(
     help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",
@@ -40,6 +42,7 @@ def options(
 
 
 app.command("run")(run)
+app.command("worlds")(worlds)
 app.command("check")(check)
 app.command("schema")(schema)
 app.command("sensors")(sensors)
@@ -47,3 +50,4 @@ app.command("disperse")(disperse)
 app.command("devices")(devices)
 app.command("print")(print_)
 app.command("import")(import_)
+app.command("warm")(warm)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -15,6 +14,7 @@ import typer
 from player import DeviceAddr, MessageType, PlayerClient, PlayerError, Proxy, XdrError, messages
 from player.codes import Interface
 from troupe.devices_command import ServerArgument, TimeoutOption, connect
+from troupe.interrupts import raised
 
 Reading = tuple[float, int, bytes]
 """Simulated time in seconds, subtype and payload of one message."""
@@ -27,7 +27,7 @@ def print_(
     ],
     count: Annotated[
         int | None,
-        typer.Option(min=1, help="End after so many messages.", show_default=False),
+        typer.Option(min=1, help="End after so many messages.", show_default="never"),
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="One JSON object per line, with all fields.")
@@ -41,7 +41,7 @@ def print_(
     """
     try:
         addr = readable(device)
-        with connect(server, timeout, mode="push") as client:
+        with raised(), connect(server, timeout, mode="push") as client:
             follow(client, addr, count, as_json)
             ending = client.ending
     except (PlayerError, ValueError) as error:
@@ -49,9 +49,6 @@ def print_(
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
         raise typer.Exit(130) from None
-    except BrokenPipeError:  # the reader of our output, `head` say, has enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise typer.Exit(0) from None
     if ending:
         print(ending, file=sys.stderr)
 
