@@ -50,14 +50,15 @@ class Settings:
 class Engine:
     """One run of one world.
 
-    `say` is given every line that is meant for people, and `warn` what they must not overlook.
+    `say` is given every line that is meant for people, and `warn`, or else `say`, what they
+    must not overlook.
     """
 
     loaded: LoadedWorld
     settings: Settings
     fleet: Fleet
     say: Callable[[str], None]
-    warn: Callable[[str], None] = lambda line: None
+    warn: Callable[[str], None] | None = None
     ticks: int = 0
     interrupted: bool = False
     began: float = 0.0
@@ -101,7 +102,7 @@ class Engine:
             self.crew,
             self.server,
             self.say,
-            self.warn,
+            self.warn or self.say,
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()

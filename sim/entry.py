@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import ipaddress
 import math
 from collections.abc import Callable
@@ -61,6 +62,7 @@ class Entry:
     states: StateEncoder = field(default_factory=StateEncoder)
     flags: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     warned: bool = False  # of an address that others can reach
+    awaited_told: bool = False  # how to drive a robot by hand
     awaited: int = 0  # robots whose clients are waited for at ports that nobody has chosen
 
     def __post_init__(self, listen: tuple[str, int] | None) -> None:
@@ -169,6 +171,11 @@ class Entry:
                 f"{driver.record.name}: waiting for a Player client at {self.host}:{number} "
                 f"that subscribes {what} ({told(self.crew.patience.entry)})"
             )
+            if driver.drives and index == 0 and not self.awaited_told:
+                self.awaited_told = True
+                self.say(
+                    f"  by hand: python -m controllers.keyboard {reachable(self.host)}:{number}"
+                )
         return number
 
     def bind_free(self, port: Port, driver: Driver | None = None) -> int:
@@ -188,6 +195,8 @@ class Entry:
         try:
             return self.bind(wanted, port)
         except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
             self.say(f"{error.strerror}: a free port is taken instead")
             return self.bind(0, port)
 

@@ -52,7 +52,7 @@ def run_world(
             watch(engine)
 
     try:
-        engine = Engine(loaded, settings, fleet, say, warn or say)
+        engine = Engine(loaded, settings, fleet, say, warn)
         if while_waiting is not None:
             engine.crew.while_waiting = partial(while_waiting, engine)
         with interrupts.heard_by(engine):

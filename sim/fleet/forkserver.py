@@ -267,6 +267,8 @@ def run_program(message: dict[str, Any]) -> int:
     sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)
     sys.stdout = os.fdopen(1, "w", 1, encoding="utf-8", errors="replace", closefd=False)
     sys.stderr = os.fdopen(2, "w", 1, encoding="utf-8", errors="replace", closefd=False)
+    if not os.environ.get("PYTHONBREAKPOINT"):
+        sys.breakpointhook = no_terminal
     target, argv = message["target"], message["argv"]
     if message["kind"] == "exec":
         try:
@@ -303,6 +305,14 @@ def run_program(message: dict[str, Any]) -> int:
         threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, as an exit does
         atexit._run_exitfuncs()
     return code
+
+
+def no_terminal(*words: Any, **more: Any) -> NoReturn:
+    """What `breakpoint()` does in a program whose input is empty."""
+    raise RuntimeError(
+        "breakpoint(): a program of a world file has no terminal. Let its robot's controller be "
+        "`external: true`, run the world with --patience 0, and start the program by hand"
+    )
 
 
 class OwnFirst(importlib.abc.MetaPathFinder):
