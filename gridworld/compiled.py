@@ -27,7 +27,18 @@ def compile_rule(rule: Rule) -> Any:
     """
     in_a_file = rule.__code__.co_filename[:1] != "<"  # numba keeps its cache beside the source
     kept = in_a_file and rule.__closure__ is None
-    return numba.cfunc(RULE_SIGNATURE, cache=kept)(rule)
+    try:
+        return numba.cfunc(RULE_SIGNATURE, cache=kept)(rule)
+    except RuntimeError:  # numba: "no locator available": nowhere to write a cache
+        return numba.cfunc(RULE_SIGNATURE)(rule)
+
+
+def compiled(signature: Any, function: Callable[..., Any]) -> Any:
+    """The machine code of a function for one signature, kept on disk where that is possible."""
+    try:
+        return numba.njit(signature, cache=True)(function)
+    except RuntimeError:
+        return numba.njit(signature)(function)
 
 
 def keyed(function: Callable[..., Any], *sources: ModuleType) -> Callable[..., Any]:
@@ -44,7 +55,5 @@ def keyed(function: Callable[..., Any], *sources: ModuleType) -> Callable[..., A
     return function
 
 
-draw: Any = numba.njit(numba.int64(numba.int64, numba.int64, numba.int64, numba.int64), cache=True)(
-    chance.draw
-)
+draw: Any = compiled(numba.int64(numba.int64, numba.int64, numba.int64, numba.int64), chance.draw)
 """`chance.draw`, compiled."""

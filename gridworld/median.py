@@ -6,6 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from gridworld.compiled import compiled
 from gridworld.regions import Cell, Region, RegionError
 from gridworld.topology import distances, first_hole
 
@@ -99,4 +100,4 @@ def _weighted_tree_sums(
 
 
 _i8 = numba.types.Array(numba.int64, 1, "C")
-_tree_sums: Any = numba.njit(_i8(_i8, _i8, _i8), cache=True)(_weighted_tree_sums)
+_tree_sums: Any = compiled(_i8(_i8, _i8, _i8), _weighted_tree_sums)

@@ -214,12 +214,12 @@ _i8 = numba.types.Array(numba.int64, 1, "C")
 _u2 = numba.types.Array(numba.uint16, 1, "C")
 _int = numba.int64
 
-advance: Any = numba.njit(
+advance: Any = compiled.compiled(
     numba.void(
         *(RULE_TYPE, _int, _u2, _i1, _i1, _i4, _i4, _i8),
         *(_i4, _i4, _i8, _i4, _i4, _i4, _i4, _i8, _i1),
         *(_int, _int, _int, _int, _int, _int),
     ),
-    cache=True,
-)(keyed(_advance, chance, compiled, rules))
+    keyed(_advance, chance, compiled, rules),
+)
 """`_advance`, compiled for every rule at once: the rule is a function value."""

@@ -7,6 +7,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from gridworld.compiled import compiled
+
 FAR = -1
 """Distance of a cell that cannot be reached, and of a wall."""
 
@@ -43,9 +45,9 @@ def _flood(
 
 
 _i4 = numba.types.Array(numba.int32, 1, "C")
-_flood_compiled: Any = numba.njit(
-    numba.int64(numba.types.Array(numba.boolean, 1, "C"), _i4, _i4, _i4, _i4), cache=True
-)(_flood)
+_flood_compiled: Any = compiled(
+    numba.int64(numba.types.Array(numba.boolean, 1, "C"), _i4, _i4, _i4, _i4), _flood
+)
 
 
 def framed(cells: NDArray[np.bool_], frame: int = 1) -> NDArray[np.bool_]:

@@ -12,7 +12,7 @@ import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import perf_counter
+from time import monotonic, perf_counter
 
 import numpy as np
 
@@ -41,18 +41,24 @@ class Settings:
     duration: float
     realtime: float | None = None  # simulated seconds per wall-clock second; None: flat out
     listen: tuple[str, int] | None = None
-    patience: float = 60.0
+    patience: float = 60.0  # wall-clock seconds; infinite: for ever
+    fail_fast: bool = False  # the first controller that fails ends the run
     sense_all: bool = False  # also what nobody reads (for measurements)
 
 
 @dataclass
 class Engine:
-    """One run of one world. `say` is given every line that is meant for people."""
+    """One run of one world.
+
+    `say` is given every line that is meant for people, and `warn`, or else `say`, what they
+    must not overlook.
+    """
 
     loaded: LoadedWorld
     settings: Settings
     fleet: Fleet
     say: Callable[[str], None]
+    warn: Callable[[str], None] | None = None
     ticks: int = 0
     interrupted: bool = False
     began: float = 0.0
@@ -83,6 +89,7 @@ class Engine:
             stop=self.stop_robot,
             say=self.say,
         )
+        self.crew.fail_fast = self.settings.fail_fast
         self.crew.paused = lambda: self.context.paused
         self.context.failed = self.crew.expel
         self.entry = Entry(
@@ -96,6 +103,7 @@ class Engine:
             self.crew,
             self.server,
             self.say,
+            self.warn or self.say,
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
@@ -119,6 +127,7 @@ class Engine:
         outcome: Outcome = "interrupted"
         try:
             self.enter_first()
+            self.announce()
             self.pace.begin()
             while (ended := self.outcome()) is None:
                 self.crew.wait()
@@ -129,6 +138,8 @@ class Engine:
                     each_tick(self)
                 self.keep_pace()
             outcome = ended
+            if outcome == "interrupted":
+                self.crew.tell_awaited()
             wall_time = perf_counter() - self.began
         finally:
             self.crew.dismiss()
@@ -140,6 +151,16 @@ class Engine:
             self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
         self.sense()
+
+    def announce(self) -> None:
+        """Say what a world is going to do in which nobody drives."""
+        drivers = self.crew.drivers
+        if self.loaded.layout.doors or any(driver.kind != "none" for driver in drivers):
+            return
+        who = "no robot here has a controller" if drivers else "there are no robots in this world"
+        guests = ", or as clients drive them" if drivers and self.entry.open else ""
+        moves = f": things move by themselves{guests}" if drivers else ": nothing drives"
+        self.say(f"{who}{moves}, for {self.settings.duration:g} simulated seconds")
 
     def tick(self) -> None:
         """One interval of simulated time, after the wait."""
@@ -219,10 +240,18 @@ class Engine:
         if wait > 0:
             self.crew.wait(wait)
 
+    def behind(self, seconds: float) -> dict[str, float]:
+        """Who has been waited for for so many wall-clock seconds, and since how many, by name."""
+        now = monotonic()
+        waits = {d.record.name: now - d.since for d in self.crew.behind.values()}
+        return {name: wait for name, wait in waits.items() if wait >= seconds}
+
     def outcome(self) -> Outcome | None:
         """How the run has ended, None while it goes on."""
         if self.interrupted or self.crew.interrupted:
             return "interrupted"
+        if self.crew.failed:
+            return "controller_failed"
         over = self.time >= self.settings.duration - 1e-9
         waits_for_time = self.waits_for_time
         entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import ipaddress
+import math
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from player.codes import DeviceAddr
+from player.codes import DEFAULT_PORT, DeviceAddr
 from player.server import Server
 from sim.devices.batch import Encoders
 from sim.devices.build import robot_devices
@@ -53,12 +55,15 @@ class Entry:
     crew: Crew
     server: Server
     say: Callable[[str], None]
+    warn: Callable[[str], None]
     shared: Port | None = None  # of all robots, where they share one
     simulation: Simulation = field(init=False)  # of that port
     encoders: Encoders = field(default_factory=Encoders)
     states: StateEncoder = field(default_factory=StateEncoder)
     flags: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     warned: bool = False  # of an address that others can reach
+    awaited_told: bool = False  # how to drive a robot by hand
+    awaited: int = 0  # robots whose clients are waited for at ports that nobody has chosen
 
     def __post_init__(self, listen: tuple[str, int] | None) -> None:
         player = self.loaded.world.player
@@ -146,10 +151,16 @@ class Entry:
         if self.shared is not None:
             number = self.shared.directory.port
             if not number:
-                number = self.bind(self.base or 0, self.shared)
+                if self.base is None:
+                    number = self.bind_free(self.shared)
+                else:
+                    number = self.bind(self.base, self.shared)
                 self.say(f"robots are served at {self.host}:{number}, by index")
         else:
-            number = self.bind(self.base + driver.robot if self.base else 0, port)
+            if self.base is None:
+                number = self.bind_free(port, driver)
+            else:
+                number = self.bind(self.base + driver.robot if self.base else 0, port)
             if not self.base or driver.robot < TOLD:
                 self.say(f"{driver.record.name} is served at {self.host}:{number}")
             elif driver.robot == TOLD:
@@ -158,9 +169,36 @@ class Entry:
             what = f"position2d:{index}" if driver.drives else "its devices"
             self.say(
                 f"{driver.record.name}: waiting for a Player client at {self.host}:{number} "
-                f"that subscribes {what} (for {self.crew.patience.entry:g} s at the most)"
+                f"that subscribes {what} ({told(self.crew.patience.entry)})"
             )
+            if driver.drives and index == 0 and not self.awaited_told:
+                self.awaited_told = True
+                self.say(
+                    f"  by hand: python -m controllers.keyboard {reachable(self.host)}:{number}"
+                )
         return number
+
+    def bind_free(self, port: Port, driver: Driver | None = None) -> int:
+        """Listen at a port that nobody has chosen; its number.
+
+        Programs are told it. A client from outside, such as `controllers.keyboard`, looks for its
+        robot at Player's own port unless it is told another: so the first of the robots that wait
+        for one is served there, and the next at the next ports, where these are free.
+        """
+        controllers = self.loaded.world.controllers.values()
+        if driver is None and not any(controller.external for controller in controllers):
+            return self.bind(0, port)
+        if driver is not None and driver.kind != "external":
+            return self.bind(0, port)
+        wanted = DEFAULT_PORT + self.awaited
+        self.awaited += 1
+        try:
+            return self.bind(wanted, port)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+            self.say(f"{error.strerror}: a free port is taken instead")
+            return self.bind(0, port)
 
     def bind(self, wanted: int, port: Port) -> int:
         """Listen at a port, 0 for any free one; its number.
@@ -170,7 +208,7 @@ class Entry:
         """
         if not is_loopback(self.host) and not self.warned:
             self.warned = True
-            self.say(
+            self.warn(
                 f"listening on {self.host}: anybody who reaches this address can drive the robots"
             )
         if wanted > LAST_PORT:
@@ -224,6 +262,11 @@ def body_size(model: Model) -> tuple[float, float, float]:
 def reachable(host: str) -> str:
     """The address by which programs on this machine reach a server that listens on `host`."""
     return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+
+
+def told(patience: float) -> str:
+    """How long somebody is waited for."""
+    return "for ever" if patience == math.inf else f"for {patience:g} s at the most"
 
 
 def is_loopback(host: str) -> bool:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-import socket
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
+from sim.interrupts import Interrupts
 from sim.result import Result
 from sim.worldfile import LoadedWorld
 
@@ -27,15 +25,24 @@ def run_world(
     fleet: Fleet | None = None,
     film: Film | None = None,
     each_tick: EachTick | None = None,
+    while_waiting: EachTick | None = None,
     say: Callable[[str], None] = lambda line: None,
+    warn: Callable[[str], None] | None = None,
+    interrupts: Interrupts | None = None,
 ) -> Result:
     """Run a world to its end.
 
     `fleet` may have been started early, so that it gets ready while the world is read. `film`
-    makes a video. `each_tick(engine)` is called after every tick. `say(line)` is given what is
-    meant for people. SIGINT and SIGTERM end the run in an orderly way: the result so far comes
-    back with the outcome `interrupted`.
+    makes a video. `each_tick(engine)` is called after every tick, and `while_waiting(engine)` while
+    the world waits for controllers. `say(line)` is given what is meant for people, and
+    `warn(line)`, or else `say`, what they are not to overlook.
+
+    SIGINT, SIGTERM and SIGHUP end the run in order: the result so far comes back with the outcome
+    `interrupted`, and the video is completed; a second one raises KeyboardInterrupt. `interrupts`
+    that are given stay held when the run is over.
     """
+    interrupts, own = interrupts or Interrupts(), interrupts is None
+    interrupts.hold()
     fleet = fleet or Fleet(show=say)
     engine: Engine | None = None
     watchers = [watch for watch in (film.each_tick if film else None, each_tick) if watch]
@@ -45,49 +52,17 @@ def run_world(
             watch(engine)
 
     try:
-        engine = Engine(loaded, settings, fleet, say)
-        with interruptible(engine):
+        engine = Engine(loaded, settings, fleet, say, warn)
+        if while_waiting is not None:
+            engine.crew.while_waiting = partial(while_waiting, engine)
+        with interrupts.heard_by(engine):
             return engine.run(after_tick if watchers else None)
     finally:
-        if engine is None:
-            fleet.close()
-        if film is not None:
-            film.finish(engine)
-
-
-@contextlib.contextmanager
-def interruptible(engine: Engine) -> Iterator[None]:
-    """Turn SIGINT and SIGTERM into an orderly end; before there is anything to lose, at once.
-
-    A second signal ends at once as well.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    reading, writing = socket.socketpair()
-    for end in (reading, writing):
-        end.setblocking(False)
-
-    def interrupt(number: int, frame: object) -> None:
-        compiling = engine.ticks <= 1 and not engine.crew.waiting  # perhaps: do not wait for it
-        if engine.crew.interrupted or compiling:
-            raise KeyboardInterrupt
-        engine.crew.interrupted = True
-
-    def drain() -> None:
-        with contextlib.suppress(BlockingIOError):
-            reading.recv(4096)
-
-    engine.server.watch(reading, drain)
-    before = {
-        number: signal.signal(number, interrupt) for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    wakeup = signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
-    try:
-        yield
-    finally:
-        signal.set_wakeup_fd(wakeup)
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        reading.close()
-        writing.close()
+        try:
+            if engine is None:
+                fleet.close()
+            if film is not None:
+                film.finish(engine)
+        finally:
+            if own:
+                interrupts.release()

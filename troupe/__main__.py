@@ -6,9 +6,9 @@ import os
 import sys
 
 from troupe._packages import ROOT
-from troupe.interrupts import heed_interrupts
+from troupe.interrupts import all_done, heed_interrupts
 
-heed_interrupts()
+heed_interrupts()  # as the package does, where it knows that it is loaded for the command
 if sys.path and sys.path[0] in ("", os.getcwd()) and os.getcwd() != str(ROOT):
     # `python -m troupe`: what lies in the current folder must not get in our way
     sys.path.pop(0)
@@ -16,7 +16,7 @@ if sys.path and sys.path[0] in ("", os.getcwd()) and os.getcwd() != str(ROOT):
 
 def main() -> None:
     """Run the command line."""
-    from troupe.streams import OutputLost, prepare_streams  # noqa: PLC0415
+    from troupe.streams import OutputLost, ReaderGone, prepare_streams  # noqa: PLC0415
 
     prepare_streams()
     from troupe.app import app  # noqa: PLC0415
@@ -26,6 +26,9 @@ def main() -> None:
             app(prog_name="troupe")
         finally:
             sys.stdout.flush()
+            all_done()
+    except ReaderGone:
+        sys.exit(0)
     except OutputLost as error:
         print(f"standard output: {error}", file=sys.stderr)
         sys.exit(1)

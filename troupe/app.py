@@ -15,6 +15,8 @@ from troupe.commands.print_ import print_
 from troupe.commands.run import run
 from troupe.commands.schema import schema
 from troupe.commands.sensors import sensors
+from troupe.commands.warm import warm
+from troupe.commands.worlds import worlds
 
 app = typer.Typer(
     help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",
@@ -40,6 +42,7 @@ def options(
 
 
 app.command("run")(run)
+app.command("worlds")(worlds)
 app.command("check")(check)
 app.command("schema")(schema)
 app.command("sensors")(sensors)
@@ -47,3 +50,4 @@ app.command("disperse")(disperse)
 app.command("devices")(devices)
 app.command("print")(print_)
 app.command("import")(import_)
+app.command("warm")(warm)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from time import perf_counter
 from types import TracebackType
 from typing import Any, Self
 
-NOTICE = "compiling the kernels (only once; it may take a minute) ..."
+from troupe.kernel_cache import cache_folder, distrust_cache
+from troupe.warm import NOT_KEPT, tell
 
-
-def tell(line: str) -> None:
-    """Print a line on standard error."""
-    print(line, file=sys.stderr, flush=True)
+NOTICE = "compiling a kernel that is new here (only once; it may take a minute) ..."
+NOTICE_EACH_TIME = f"compiling (it may take a minute); {NOT_KEPT}"
 
 
 class Compiling:
@@ -37,7 +35,7 @@ class Compiling:
             self._began = perf_counter()
             if not self._told:
                 self._told = True
-                self.say(NOTICE)
+                self.say(NOTICE if cache_folder() is not None else NOTICE_EACH_TIME)
         self._depth += 1
 
     def on_end(self, event: object) -> None:
@@ -54,6 +52,7 @@ class Compiling:
     def __enter__(self) -> Self:
         from numba.core import event  # noqa: PLC0415 - slow to load
 
+        distrust_cache()
         parent = self
 
         class Ears(event.Listener):

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sim.fleet.fleet import Fleet
+from sim.interrupts import Interrupts
+from troupe.interrupts import last_act
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
@@ -16,6 +21,9 @@ if TYPE_CHECKING:
     from sim.result import Result
 
 EachTick = Callable[["Engine"], None]
+Setting = Mapping[str, Any] | Sequence[str]
+Address = str | tuple[str, int]
+Size = str | tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -29,69 +37,145 @@ class Run:
 def run_file(
     world: str | Path,
     *,
-    seed: int | None,
-    duration: float | None,
-    settings: Sequence[str],
-    realtime: float | None,
-    listen: tuple[str, int] | None,
-    patience: float,
-    video: str | Path | None,
-    video_fps: float | None,
-    video_speed: float | None,
-    video_size: tuple[int, int] | None,
+    seed: int | None = None,
+    duration: float | None = None,
+    settings: Setting = (),
+    realtime: float | None = None,
+    listen: Address | None = None,
+    patience: float = 60.0,
+    fail_fast: bool = False,
+    video: str | Path | None = None,
+    video_fps: float | None = None,
+    video_speed: float | None = None,
+    video_size: Size | None = None,
     say: Callable[[str], None],
+    warn: Callable[[str], None] | None = None,
     each_tick: EachTick | None = None,
+    while_waiting: EachTick | None = None,
+    interrupts: Interrupts | None = None,
 ) -> Run:
-    """Run a world file; see `troupe.run`. `each_tick(engine)` is called after every tick.
+    """Run a world file; see `troupe.run`.
+
+    `each_tick(engine)` is called after every tick, `while_waiting(engine)` now and then while the
+    world waits for controllers, and `warn(line)`, or else `say`, with what is not to be overlooked.
+    `interrupts` are held from when there is something to lose, and then until the caller, who has
+    still to do something with the result, releases them.
 
     Raises UsageError for an argument that cannot be.
     """
-    for name, value in (("duration", duration), ("realtime", realtime), ("patience", patience)):
-        if value is not None and not (math.isfinite(value) and value > 0):
-            raise UsageError(f"{name}: must be above 0 (given: {value:g})")
-    if seed is not None and not 0 <= seed < 1 << 63:
-        raise UsageError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
+    check_numbers(seed, duration, realtime, patience)
+    address = None if listen is None else parse_listen(listen)
     shaped = {"video fps": video_fps, "video speed": video_speed, "video size": video_size}
     for name, given in shaped.items():
         if given is not None and video is None:
             raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
+    interrupts, own = interrupts or Interrupts(), interrupts is None
+    begun = False
     fleet = Fleet(show=say)  # first: it gets ready while we load the rest
-    try:
+    with contextlib.ExitStack() as ending:
+        ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
         from sim.filming import Film, open_recorder  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from sim.worldfile import load  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
+        from troupe.warm import warm_once  # noqa: PLC0415
         from troupe.worlds import find_world  # noqa: PLC0415
 
-        compiling = Compiling(say)
-        with compiling:
-            loaded = load(find_world(str(world)), settings=settings)
+        path = find_world(str(world))
+        warm_once(say)
+        compiling = ending.enter_context(Compiling(say))
+        loaded = load(path, settings=as_text(settings))
         told = Settings(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,
             realtime=realtime,
-            listen=listen,
-            patience=patience,
+            listen=address,
+            patience=patience or math.inf,
+            fail_fast=fail_fast,
         )
+        interrupts.hold()
+        if own:
+            ending.callback(interrupts.release)
         film = None
         if video is not None:
+            from sim.video.encode import abandon  # noqa: PLC0415
+            from sim.video.projection import parse_size  # noqa: PLC0415
+
+            ending.enter_context(last_act(partial(abandon, Path(video).resolve())))
             recorder = open_recorder(
-                Path(video), loaded, fps=video_fps, speed=video_speed, size=video_size
+                Path(video),
+                loaded,
+                fps=video_fps,
+                speed=video_speed,
+                size=parse_size(video_size) if isinstance(video_size, str) else video_size,
             )
             film = Film(recorder)
             if recorder.notice:
                 say(recorder.notice)
-    except BaseException:
-        fleet.close()
-        raise
 
-    def after_tick(engine: Engine) -> None:
-        if compiling.spans:  # once in a machine's life, and no part of a run's speed
-            engine.began += compiling.after(engine.began)
-        if each_tick is not None:
-            each_tick(engine)
+        def after_tick(engine: Engine) -> None:
+            if compiling.spans:  # once in a machine's life, and no part of a run's speed
+                engine.began += compiling.after(engine.began)
+            if each_tick is not None:
+                each_tick(engine)
 
-    with compiling:
-        result = run_world(loaded, told, fleet=fleet, film=film, each_tick=after_tick, say=say)
+        begun = True  # the run ends its fleet itself
+        result = run_world(
+            loaded,
+            told,
+            fleet=fleet,
+            film=film,
+            each_tick=after_tick,
+            while_waiting=while_waiting,
+            say=say,
+            warn=warn,
+            interrupts=interrupts,
+        )
     return Run(result, None if film is None else film.recorder.error)
+
+
+def check_numbers(
+    seed: int | None, duration: float | None, realtime: float | None, patience: float
+) -> None:
+    """Raises UsageError for what is out of range."""
+    for name, value in (("duration", duration), ("realtime", realtime)):
+        if value is not None and not (math.isfinite(value) and value > 0):
+            raise UsageError(f"{name}: must be above 0 (given: {value:g})")
+    if not (math.isfinite(patience) and patience >= 0):
+        raise UsageError(f"patience: must be above 0, or 0 to wait for ever (given: {patience:g})")
+    if seed is not None and not 0 <= seed < 1 << 63:
+        raise UsageError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
+
+
+def as_text(settings: Setting) -> list[str]:
+    """Changes to the world as the command line has them; JSON is YAML."""
+    if isinstance(settings, str):
+        raise UsageError(f"set: must be a mapping such as {{'clock.interval': 0.05}}: {settings!r}")
+    if not isinstance(settings, Mapping):
+        return list(settings)
+    try:
+        return [f"{key}={json.dumps(value, default=plain)}" for key, value in settings.items()]
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"set: {error}") from None
+
+
+def plain(value: Any) -> Any:
+    """What a world file can hold of a path, or of numpy's numbers and arrays."""
+    if isinstance(value, Path):
+        return str(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"a world file cannot hold {value!r}")
+
+
+def parse_listen(listen: Address) -> tuple[str, int]:
+    """`HOST:PORT`, or a port alone, as (host, port); raises UsageError."""
+    if isinstance(listen, str):
+        host, _, port = listen.rpartition(":")
+        number = int(port) if port.isascii() and port.isdecimal() else -1
+    else:
+        host, number = listen
+    if not 0 <= number <= 65535:
+        raise UsageError(f"listen {listen!r}: must be HOST:PORT, such as 127.0.0.1:6665")
+    return host.strip("[]") or "127.0.0.1", number

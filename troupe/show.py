@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
+from collections.abc import Mapping
 from time import monotonic
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
+
+from troupe.interrupts import last_acts
+
+if TYPE_CHECKING:
+    from sim.engine import Engine
 
 REDRAW = 0.1
 """Wall-clock seconds between two looks at the bar."""
+
+TOLD_AFTER = 2.0
+"""Wall-clock seconds of waiting after which the bar tells for whom."""
+
+MOST_NAMED = 3
+"""Robots that the bar names while the world waits for them."""
 
 
 CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
@@ -33,14 +46,13 @@ class Screen:
                 BarColumn(),
                 TextColumn("{task.fields[speed]}"),
                 TextColumn("{task.fields[coverage]}"),
+                TextColumn("{task.fields[waiting]}"),
                 console=Console(stderr=True),
                 transient=True,
             )
 
     def __enter__(self) -> Self:
-        if self.bar is not None:
-            self.bar.start()
-        return self
+        return self  # the bar begins with the run: until then a signal ends the command at once
 
     def __exit__(
         self,
@@ -48,40 +60,68 @@ class Screen:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self.bar is not None:
+        if self.task is not None:
             self.bar.stop()
+            last_acts.remove(show_cursor)
 
     def say(self, line: str) -> None:
         """Print a line, with signs in place of characters that a terminal would obey."""
-        if self.quiet:
-            return
+        if not self.quiet:
+            self.warn(line)
+
+    def warn(self, line: str) -> None:
+        """The same for what is not to be overlooked: also when quiet."""
         line = shown(line)
         if self.bar is not None:
             self.bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
             print(line, file=sys.stderr, flush=True)
 
-    def progress(self, engine: Any) -> None:
+    def progress(self, engine: Engine) -> None:
         """Bring the bar up to date, now and then."""
-        if self.bar is None:
-            return
+        if self.bar is not None and self.begun(engine):
+            floor = engine.scenery.floor
+            self.bar.update(
+                self.task,
+                completed=engine.time,
+                time=f"{engine.time:.1f} s of {engine.settings.duration:g}",
+                speed=f"{engine.speed or 0.0:.0f} x real time",
+                coverage=f"coverage {floor.coverage:.1%}" if engine.sprayers.mounts else "",
+                waiting="",
+            )
+
+    def waiting(self, engine: Engine) -> None:
+        """Tell on the bar for whom the world has been waiting for a while."""
+        if self.bar is not None and self.begun(engine):
+            self.bar.update(self.task, waiting=awaited(engine.behind(TOLD_AFTER)))
+
+    def begun(self, engine: Engine) -> bool:
+        """Whether the bar is there and it is time to look at it again."""
         now = monotonic()
         if now < self.next_look:
-            return
+            return False
         self.next_look = now + REDRAW
         if self.task is None:
+            last_acts.append(show_cursor)
+            self.bar.start()
             self.task = self.bar.add_task(
-                "", total=engine.settings.duration, time="", speed="", coverage=""
+                "", total=engine.settings.duration, time="", speed="", coverage="", waiting=""
             )
-            return
-        painted = f"coverage {engine.scenery.floor.coverage:.1%}" if engine.sprayers.mounts else ""
-        self.bar.update(
-            self.task,
-            completed=engine.time,
-            time=f"{engine.time:.1f} s of {engine.settings.duration:g}",
-            speed=f"{engine.speed or 0.0:.0f} x real time",
-            coverage=painted,
-        )
+        return True
+
+
+def awaited(late: Mapping[str, float]) -> str:
+    """For whom the world waits, and since when: `late` has seconds by robots' names."""
+    if not late:
+        return ""
+    names = list(late)
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return f"waiting for {', '.join(names[:MOST_NAMED])}{more} ({max(late.values()):.0f} s)"
+
+
+def show_cursor() -> None:
+    """The bar has hidden it."""
+    os.write(2, b"\x1b[?25h\r\n")
 
 
 def shown(line: str) -> str:

@@ -16,6 +16,10 @@ class OutputLost(Exception):
     """What a command prints cannot be written: the disk is full, the reader has gone."""
 
 
+class ReaderGone(OutputLost):
+    """Whoever reads what a command prints, `head` say, has enough: no reason to complain."""
+
+
 class Descriptor(io.FileIO):
     """A standard file that is written to; after its first error it takes everything, silently.
 
@@ -33,6 +37,8 @@ class Descriptor(io.FileIO):
                 return super().write(data)
             except OSError as error:
                 self.lost = True
+                if self.vital and isinstance(error, BrokenPipeError):
+                    raise ReaderGone from None
                 if self.vital:
                     raise OutputLost(error.strerror or str(error)) from None
         return memoryview(data).nbytes

@@ -28,13 +28,25 @@ from sim.fleet.clocks import Clocks
 from sim.fleet.driver import Driver
 from sim.fleet.fleet import Fleet, Launch
 from sim.fleet.origin import origin
-from sim.fleet.patience import Patience, hint
+from sim.fleet.patience import Patience, hint, lacking
+from sim.fleet.stack import own_frames
 from sim.result import ControllerState
 
 __all__ = ["Crew", "Patience"]
 
 MOVING = frozenset((int(Interface.POSITION2D), int(Interface.DIO)))
 """Interfaces whose commands go on to have an effect after their client has gone."""
+
+FAILURES = ("failed", "hung", "lost")
+
+LAST_STACK = 1.0
+"""Wall-clock seconds that a program has to print its stack."""
+
+TOLD_AFTER = 2.0
+"""Wall-clock seconds of waiting after which people want to know for whom."""
+
+MOST_TOLD = 3
+"""Controllers of which an interrupted run tells where they stood."""
 
 LAST_WORDS = 256
 """Polls at the most for what a process wrote before its end: 16 MiB, above any socket's buffer."""
@@ -64,6 +76,9 @@ class Crew:
         self.drivers: list[Driver] = []
         self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.interrupted = False
+        self.fail_fast = False
+        self.failed = False  # and nobody is to be waited for any more
+        self.while_waiting: Callable[[], None] | None = None
         self.waiting = False  # for clients: a signal that comes now need not break off anything
         self.paused: Callable[[], bool] = lambda: False
         self.paused_at = 0.0  # wall-clock time
@@ -102,7 +117,7 @@ class Crew:
         """
         until = None if timeout is None else monotonic() + timeout
         heard = False
-        while not self.interrupted:
+        while not (self.interrupted or self.failed):
             ready = until is None and self.ready()
             if ready and heard:
                 return True
@@ -117,6 +132,8 @@ class Crew:
             self.notice_ends()
             if until is None and monotonic() >= self.look_at:
                 self.notice_hung()
+            if until is None and self.while_waiting is not None:
+                self.while_waiting()
         return False
 
     def ready(self) -> bool:
@@ -164,12 +181,17 @@ class Crew:
         if driver.robot not in self.behind:
             return
         name = driver.record.name
-        error = f"kept the others waiting for {waited:.0f} s"
+        why = lacking(driver)
+        error = f"kept the others waiting for {waited:.0f} s: {why}"
         if driver.kind == "external" and not driver.clocks:
             error = f"no client that drives it has come within {waited:.0f} s"
             self.say(f"{name}: {error}; it stands still")
         else:
-            self.say(f"{name}: hung: nothing for {waited:.0f} s, its robot stops")
+            self.say(f"{name}: hung: nothing for {waited:.0f} s ({why}), its robot stops")
+            stack = self.stack(driver)
+            for line in stack:
+                self.say(f"[{name}] {line}")
+            error = "\n".join([error, *stack])
         self.abandon(driver, error)
 
     def end_pause(self, waited: float) -> None:
@@ -196,6 +218,29 @@ class Crew:
             if connection is not None and connection.is_open:
                 self.close(connection)
         self.end(driver, "hung", None, error)
+
+    def stack(self, driver: Driver) -> list[str]:
+        """Where a program stands, as lines; it ends thereby. None are known of a command."""
+        if driver.kind != "program" or driver.robot not in self.fleet.pids:
+            return []
+        output = self.fleet.outputs[driver.robot]
+        output.aside = []
+        self.fleet.ask_stack(driver.robot)
+        until = monotonic() + LAST_STACK
+        while driver.robot in self.fleet.pids and (left := until - monotonic()) > 0:
+            self.take(self.server.poll(left))
+        lines, output.aside = output.aside, None
+        return own_frames(lines)
+
+    def tell_awaited(self) -> None:
+        """The run is interrupted: say for whom it was waiting, if that was why."""
+        now = monotonic()
+        late = [driver for driver in self.behind.values() if now - driver.since > TOLD_AFTER]
+        for driver in late[:MOST_TOLD]:
+            name = driver.record.name
+            self.say(f"{name}: waited for since {now - driver.since:.0f} s: {lacking(driver)}")
+            for line in self.stack(driver):
+                self.say(f"[{name}] {line}")
 
     # -- events -----------------------------------------------------------------------------
 
@@ -352,7 +397,12 @@ class Crew:
             if driver.lost is not None:
                 self.end(driver, "lost", code, driver.lost)
             elif code == 0:
-                self.end(driver, "finished", 0, None)
+                idle = not driver.asked and not driver.record.devices
+                error = "ended without having connected to its robot" if idle else None
+                if error is not None:
+                    error += ": it made no PlayerClient" if driver.kind == "program" else ""
+                    self.say(f"{driver.record.name}: {error}")
+                self.end(driver, "finished", 0, error)
             else:
                 self.end(driver, "failed", code, self.describe(robot, code))
                 self.say(f"{driver.record.name}: failed: {self.describe(robot, code, brief=True)}")
@@ -395,6 +445,7 @@ class Crew:
         driver.record.state = state
         driver.record.exit_code = code
         driver.record.error = error
+        self.failed |= self.fail_fast and state in FAILURES
         driver.commander = None
         self.clocks.retire(driver)
         if driver.kind != "external":

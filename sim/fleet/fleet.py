@@ -33,6 +33,7 @@ class Launch:
     kind: Literal["module", "script", "exec"]
     target: str
     argv: tuple[str, ...] = ()
+    folder: str = ""  # the world's, where a script's own modules may lie too
 
 
 class FleetError(Exception):
@@ -74,6 +75,7 @@ class Fleet:
             pass_fds=[theirs.fileno()],
             stdin=subprocess.DEVNULL,
             env=environment,
+            start_new_session=True,  # a Ctrl-C at the terminal is for the simulator alone
         )
         theirs.close()
 
@@ -109,6 +111,7 @@ class Fleet:
             "argv": list(launch.argv),
             "env": dict(environment),
             "root": str(ROOT),
+            "folder": launch.folder,
             "descriptors": len(descriptors),
         }
         self.starting.add(key)
@@ -199,6 +202,10 @@ class Fleet:
     def kill(self, key: int) -> None:
         """End controller `key` and what it has started."""
         self.send({"op": "kill", "id": key}, [])
+
+    def ask_stack(self, key: int) -> None:
+        """Have controller `key`, one of Python's, print its stack and end."""
+        self.send({"op": "stack", "id": key}, [])
 
     def close(self) -> None:
         """End whatever still runs; afterwards no process of the fleet is left."""

@@ -7,8 +7,10 @@ the folder that holds our packages. Each message on the socket, either way, is a
 big-endian) and JSON; with a start come the child's output pipe and socket as file descriptors.
 
     start  {"op": "start", "id": 3, "kind": "module"|"script"|"exec", "target": ..., "argv": [...],
-            "env": {...}, "root": ..., "descriptors": 1|2} + [output] or [output, connection]
+            "env": {...}, "root": ..., "folder": ..., "descriptors": 1|2}
+           + [output] or [output, connection]
     kill   {"op": "kill", "id": 3}
+    stack  {"op": "stack", "id": 3}     a module or script prints its Python stack, and ends
 
 It answers, for every start,
 
@@ -29,7 +31,10 @@ simulator could not do that: it may be part of a program that has children of it
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import gc
+import importlib.abc
+import importlib.machinery
 import json
 import os
 import select
@@ -38,6 +43,9 @@ import socket
 import struct
 import sys
 from typing import Any, NoReturn
+
+STACK = signal.SIGUSR1
+"""Has a Python program print its stack."""
 
 PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
@@ -112,6 +120,9 @@ class ForkServer:
             self.start(message, passed)
         elif message["op"] == "kill" and message["id"] in self.pid_of:
             kill_group(self.pid_of[message["id"]])
+        elif message["op"] == "stack" and message["id"] in self.pid_of:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.kill(self.pid_of[message["id"]], STACK)
 
     def start(self, message: dict[str, Any], passed: list[int]) -> None:
         try:
@@ -156,6 +167,9 @@ class ForkServer:
             if len(passed) > 1:
                 os.set_inheritable(passed[1], True)
                 os.environ["PLAYER_FD"] = str(passed[1])
+            if message["kind"] != "exec":
+                # chained: what the signal has always done to a program, to end it, it still does
+                faulthandler.register(STACK, file=os.dup(2), all_threads=True, chain=True)
             code = run_program(message)
         except BaseException:
             import traceback  # noqa: PLC0415
@@ -281,6 +295,8 @@ def run_program(message: dict[str, Any]) -> int:
     sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)
     sys.stdout = os.fdopen(1, "w", 1, encoding="utf-8", errors="replace", closefd=False)
     sys.stderr = os.fdopen(2, "w", 1, encoding="utf-8", errors="replace", closefd=False)
+    if not os.environ.get("PYTHONBREAKPOINT"):
+        sys.breakpointhook = no_terminal
     target, argv = message["target"], message["argv"]
     if message["kind"] == "exec":
         try:
@@ -296,6 +312,8 @@ def run_program(message: dict[str, Any]) -> int:
             runpy.run_module(target, run_name="__main__", alter_sys=True)
         else:
             sys.path.insert(0, os.path.dirname(target))
+            sys.path.append(message["folder"])  # the world's: its modules, if nobody else has them
+            sys.meta_path.insert(0, OwnFirst(message["root"]))
             sys.argv = [target, *argv]
             runpy.run_path(target, run_name="__main__")
     except SystemExit as end:
@@ -315,6 +333,35 @@ def run_program(message: dict[str, Any]) -> int:
         threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, as an exit does
         atexit._run_exitfuncs()
     return code
+
+
+def no_terminal(*words: Any, **more: Any) -> NoReturn:
+    """What `breakpoint()` does in a program whose input is empty."""
+    raise RuntimeError(
+        "breakpoint(): a program of a world file has no terminal. Let its robot's controller be "
+        "`external: true`, run the world with --patience 0, and start the program by hand"
+    )
+
+
+class OwnFirst(importlib.abc.MetaPathFinder):
+    """Finds a program's own modules that have the names of our packages, wherever ours lie.
+
+    Where Troupe is installed our `controllers` can be imported like any other package. It must not
+    come before a folder `controllers` of the program's own, not even before one that has no
+    `__init__.py`, which to Python is no match for a package that has.
+    """
+
+    names = ("controllers", "sensors", "sim", "troupe")
+
+    def __init__(self, root: str) -> None:
+        self.root = os.path.realpath(root)
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
+        """The module's spec; None if there is none but ours."""
+        if name not in self.names:
+            return None
+        places = [at for at in sys.path if os.path.realpath(at or os.curdir) != self.root]
+        return importlib.machinery.PathFinder.find_spec(name, places, target)
 
 
 def own_traceback(error: BaseException) -> str:

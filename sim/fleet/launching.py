@@ -38,7 +38,8 @@ def launch_of(
     extra = tuple(options(controller.args))
     if controller.program is not None:
         if controller.program.endswith(".py"):
-            return Launch("script", str((folder / controller.program).resolve()), extra)
+            path = (folder / controller.program).resolve()
+            return Launch("script", str(path), extra, str(folder.resolve()))
         return Launch("module", f"controllers.{controller.program}", extra)
     assert controller.command is not None
     target, *argv = (fill(word, fields) for word in controller.command)

@@ -27,6 +27,7 @@ class Output:
         self.shown = 0
         self.rest = b""
         self.is_open = True
+        self.aside: list[str] | None = None  # where lines go that are not the program's own
 
     def read(self) -> bool:
         """Take what is there, up to a bound; False at the end of the output."""
@@ -56,6 +57,9 @@ class Output:
     def take(self, line: bytes) -> None:
         """Show and keep one line."""
         text = line[:LONGEST_LINE].decode(errors="replace").rstrip("\r")
+        if self.aside is not None:
+            self.aside.append(text)
+            return
         self.tail.append(text)
         self.shown += 1
         if self.show is None or self.shown > SHOWN_LINES:

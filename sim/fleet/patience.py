@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from player.codes import DataMode
 from sim.fleet.driver import Driver
 
 HINT_AFTER = 5.0
@@ -13,7 +14,7 @@ HINT_AFTER = 5.0
 
 @dataclass(frozen=True)
 class Patience:
-    """Wall-clock seconds that a controller may keep the others waiting."""
+    """Wall-clock seconds that a controller may keep the others waiting; infinite: for ever."""
 
     reading: float = 60.0
 
@@ -34,6 +35,18 @@ class Patience:
     def limit_of_pause(self, since: float) -> float:
         """The time at which the patience with who has paused the world ends."""
         return since + self.reading
+
+
+def lacking(driver: Driver) -> str:
+    """What a controller that is waited for has not done."""
+    if driver.kind == "external" and not driver.clocks:
+        return "no client that drives it has come"
+    if driver.kind != "program":
+        return "it has not asked for data" + " again" * driver.asked
+    session = None if driver.connection is None else driver.connection.session
+    if session is not None and not session.subscribed and session.mode is DataMode.PUSH:
+        return "it has made no PlayerClient"
+    return "it has not called read()" + " again" * driver.asked
 
 
 def hint(behind: Iterable[Driver], drivers: Iterable[Driver], now: float) -> str | None:

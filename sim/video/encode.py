@@ -129,7 +129,7 @@ def put_index_in_front(path: Path, frames: int, title: str = "") -> None:
     """
     import av  # noqa: PLC0415
 
-    finished = path.with_name(f".{path.name}.{os.getpid()}")
+    finished = draft_of(path)
     room = {"moov_size": str(INDEX_BYTES + INDEX_BYTES_PER_FRAME * frames)}
     sink = Sink(finished)
     try:
@@ -151,6 +151,22 @@ def put_index_in_front(path: Path, frames: int, title: str = "") -> None:
     finally:
         sink.close()
         finished.unlink(missing_ok=True)
+
+
+def draft_of(path: Path) -> Path:
+    """Where a video is rewritten, beside the file that it takes the place of."""
+    return path.with_name(f".{path.name}.{os.getpid()}")
+
+
+def abandon(path: Path) -> None:
+    """Leave at `path` a video that plays, or nothing: to be called when nobody will complete it."""
+    draft_of(path).unlink(missing_ok=True)
+    if path.suffix.lower() != ".mp4" or not path.is_file():
+        return
+    with path.open("rb") as file:
+        head = file.read(1 << 16)
+    if b"moof" not in head and not (b"moov" in head and b"mdat" in head):
+        path.unlink()
 
 
 class Mpeg4Encoder:

@@ -1,4 +1,8 @@
-"""A thread of its own that encodes frames while the run goes on."""
+"""A thread of its own that encodes frames while the run goes on.
+
+Nobody else touches the encoder: signals reach the main thread only, and what their handlers raise
+must never come out of the midst of a muxer.
+"""
 
 from __future__ import annotations
 
@@ -40,22 +44,22 @@ class FrameWriter:
 
     def put(self, image: NDArray[np.uint8], times: int = 1) -> None:
         """Queues a frame that shows `times` times; `image` is the writer's from now on."""
-        if self._thread is None:
-            # A daemon: a run that dies without closing the video must not hang on it.
-            self._thread = threading.Thread(target=self._run, name="video", daemon=True)
-            self._thread.start()
+        self._start()
         self._full.put((image, times))
 
     def close(self) -> None:
         """Encodes what waits and completes the file; afterwards `error` is final."""
-        if self._thread is not None:
-            self._full.put(None)
-            self._thread.join()
-            self._thread = None
-        try:
-            self._encoder.close()
-        except Exception as error:
-            self.error = self.error or error
+        thread = self._start()
+        self._full.put(None)
+        thread.join()
+        self._thread = None
+
+    def _start(self) -> threading.Thread:
+        if self._thread is None:
+            # A daemon: a run that dies without closing the video must not hang on it.
+            self._thread = threading.Thread(target=self._run, name="video", daemon=True)
+            self._thread.start()
+        return self._thread
 
     def _run(self) -> None:
         while (item := self._full.get()) is not None:
@@ -66,3 +70,7 @@ class FrameWriter:
                 except Exception as error:
                     self.error = error
             self._free.put(image)
+        try:
+            self._encoder.close()
+        except Exception as error:
+            self.error = self.error or error

@@ -20,6 +20,7 @@ PAGES = [
     "README.md",
     "docs/running.md",
     "docs/controllers.md",
+    "docs/debugging.md",
     "docs/paint.md",
     "docs/architecture.md",
     "docs/performance.md",

@@ -125,3 +125,18 @@ def test_a_fleet_whose_descriptors_are_taken_by_nobody_serves_all_the_same(tmp_p
 def test_a_robot_is_told_its_place_in_the_order_of_entry() -> None:
     assert environment("s1", 1, "127.0.0.1", None, 7)["TROUPE_NUMBER"] == "7"
     assert "TROUPE_NUMBER" not in environment("s1", 1, "127.0.0.1", None)
+
+
+def test_a_breakpoint_says_that_there_is_no_terminal(world_with: World) -> None:
+    error = troupe.run(world_with("x = 1\nbreakpoint()"), duration=0.2).robot("one").error or ""
+    assert 'mine.py", line 2' in error
+    assert "`external: true`" in error
+
+
+def test_a_breakpoint_is_whose_the_environment_says(
+    world_with: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONBREAKPOINT", "builtins.print")
+    lines: list[str] = []
+    troupe.run(world_with("breakpoint('here')"), duration=0.2, say=lines.append)
+    assert "[one] here" in lines

@@ -8,6 +8,9 @@ import socket
 
 import pytest
 
+import player
+from controllers import keyboard
+from sim import entry
 from tests.sim.raw_client import (
     LASER,
     POSITION2D,
@@ -91,3 +94,51 @@ def test_ports_beyond_the_last_are_a_clear_error(world: World) -> None:
 def test_another_address_than_loopback_is_pointed_out(world: World) -> None:
     with Serving(world(), listen=("0.0.0.0", 0)) as run:
         run.line("listening on 0.0.0.0: anybody who reaches this address can drive the robots")
+
+
+# -- ports that nobody has chosen -----------------------------------------------------------------
+
+
+@pytest.fixture
+def default_port(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Where clients look that are told no port; another than Player's, which others may have."""
+    assert entry.DEFAULT_PORT == player.DEFAULT_PORT == 6665
+    port = two_free_ports()
+    monkeypatch.setattr(entry, "DEFAULT_PORT", port)
+    monkeypatch.setattr(player.environment, "DEFAULT_PORT", port)
+    return port
+
+
+@pytest.mark.parametrize("layout", ["per_robot", "shared"])
+def test_a_client_that_is_told_no_port_finds_the_robot_that_waits_for_one(
+    world: World, default_port: int, layout: str
+) -> None:
+    with Serving(world(layout=layout), listen=None) as run:
+        told = run.line("one: waiting for a Player client")
+        assert f"at 127.0.0.1:{default_port} that subscribes position2d:0" in told.string
+        run.line(f"  by hand: python -m controllers.keyboard 127.0.0.1:{default_port}")
+        with player.PlayerClient(environ={}, timeout=None) as client:
+            base = player.Position2dProxy(client)
+            base.set_speed(0.3)
+            assert client.read()
+        assert run.engine.ticks >= 1
+
+
+def test_the_next_robots_wait_at_the_next_ports(world: World, default_port: int) -> None:
+    with Serving(world("hand"), listen=None) as run:
+        assert run.port("one") == default_port
+        assert run.port("two") == default_port + 1
+
+
+def test_where_the_default_port_is_taken_a_free_one_is_taken_and_told(
+    world: World, default_port: int
+) -> None:
+    with socket.create_server(("127.0.0.1", default_port)), Serving(world(), listen=None) as run:
+        run.line(f"cannot listen on 127.0.0.1:{default_port}: .*: a free port is taken instead")
+        with pulling(run.port("one")) as client:
+            client.round()
+
+
+def test_the_keyboard_takes_the_default_unless_it_is_told_another() -> None:
+    assert keyboard.place_of(None) == (None, None)
+    assert keyboard.place_of("127.0.0.1") == ("127.0.0.1", player.DEFAULT_PORT)

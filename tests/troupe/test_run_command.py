@@ -13,8 +13,10 @@ import troupe as package
 from sim.result import RobotRecord
 from tests.patience import PATIENCE
 from tests.processes import environment, troupe_command
+from troupe.app import app
 from troupe.commands.run import run
 from troupe.summary import robot_line
+from troupe.worlds import world_names
 
 
 def troupe(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -92,7 +94,9 @@ def test_quiet_says_nothing_but_the_result(tmp_path: Path) -> None:
         (["disperse", "--grid", "3x3", "--door", "1,1", "--picture", "x.foo"], ".png, not in .foo"),
         (["disperse", "--grid", "3x3", "--door", "1,1", "--video", "a.avi"], ".mp4, not in .avi"),
         (["disperse", "nowhere.txt"], "nowhere.txt: No such file"),
-        (["run", "wander", "--patience", "0"], "patience"),
+        (["run", "wander", "--patience", "-1"], "patience"),
+        (["run", "wander", "--patience", "inf"], "0 to wait for ever"),
+        (["disperse", "apartmnt"], "did you mean apartment?"),
         (["run"], "WORLD"),
         (["walk"], "walk"),
         (["run", "wander", "--sed", "1"], "--sed"),
@@ -116,7 +120,7 @@ def test_a_run_that_reaches_its_time_limit_ends_with_1() -> None:
 def test_help_tells_every_command() -> None:
     done = troupe("--help")
     assert done.returncode == 0
-    for command in ("run", "check", "schema", "sensors", "disperse"):
+    for command in ("run", "worlds", "check", "schema", "sensors", "disperse", "warm"):
         assert command in done.stdout
 
 
@@ -182,3 +186,42 @@ def test_one_of_a_thing_is_not_called_many() -> None:
     assert "1 contact, 2 stalls" in robot_line(record, 1)
     record.contacts, record.stalls = 2, 1
     assert "2 contacts, 1 stall" in robot_line(record, 1)
+
+
+def test_quiet_keeps_the_line_about_an_open_address() -> None:
+    done = troupe("run", "wander", "--duration", "0.2", "--quiet", "--listen", "0.0.0.0:0")
+    assert done.returncode == 0
+    assert done.stderr == (
+        "listening on 0.0.0.0: anybody who reaches this address can drive the robots\n"
+    )
+
+
+def test_the_worlds_that_come_with_troupe_are_listed_a_line_each() -> None:
+    done = troupe("worlds")
+    listed = done.stdout.partition("\n\n")[0].splitlines()
+    assert [line.split()[0] for line in listed] == world_names()
+    assert all(len(line.split()) > 3 for line in listed)  # each says what it is about
+    assert "apartment" in done.stdout.splitlines()[-1]
+
+
+@pytest.mark.parametrize("name", ["apartment", "apartment.txt", "corridor"])
+def test_a_map_that_comes_with_troupe_is_taken_by_its_name(name: str, tmp_path: Path) -> None:
+    done = troupe("disperse", name, "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["map"] == name
+
+
+def test_a_file_goes_before_a_map_of_that_name(tmp_path: Path) -> None:
+    (tmp_path / "apartment").write_text("S..\n")
+    done = troupe("disperse", "apartment", "--json", cwd=tmp_path)
+    assert json.loads(done.stdout)["cells"] == 3
+
+
+def test_every_option_of_every_command_tells_its_default() -> None:
+    """But those that are on or off, which are off."""
+    group = typer.main.get_command(app)
+    assert isinstance(group, typer.core.TyperGroup)
+    for name, command in group.commands.items():
+        shown = troupe(name, "--help").stdout
+        valued = [o for o in command.params if not o.required and not getattr(o, "is_flag", False)]
+        assert shown.count("[default:") == len(valued), f"{[o.name for o in valued]}\n{shown}"

@@ -18,7 +18,12 @@ def check(
     ],
     settings: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A value laid upon the files; repeatable."),
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="A value laid upon the files; repeatable.",
+            show_default="no change",
+        ),
     ] = None,
 ) -> None:
     """Check world files: one line for each that is in order, all mistakes of the others.
@@ -27,12 +32,14 @@ def check(
     """
     from sim.worldfile import WorldError, load  # noqa: PLC0415 - `troupe --help` stays quick
     from troupe.compiling import Compiling  # noqa: PLC0415
+    from troupe.warm import tell, warm_once  # noqa: PLC0415
     from troupe.worlds import find_world  # noqa: PLC0415
 
     refused = False
     for world in worlds:
         try:
             path = find_world(world)
+            warm_once(tell)
             with Compiling():
                 loaded = load(path, settings=settings or ())
         except WorldError as error:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from controllers.dispersal.rules import RULES
-from troupe.usage import told
+from troupe.interrupts import raised
+from troupe.usage import UsageError, told
 
 if TYPE_CHECKING:
     from gridworld.grid import GridRun, Outcome
@@ -22,11 +23,21 @@ if TYPE_CHECKING:
 def disperse(
     map_file: Annotated[
         Path | None,
-        typer.Argument(metavar="MAP.txt", help="Text map: # wall, . free, S a door."),
+        typer.Argument(
+            metavar="MAP",
+            help="Text map: # wall, . free, S a door. A file, or the name of a map "
+            "that comes with Troupe (`troupe worlds` lists them).",
+            show_default="none: give --grid",
+        ),
     ] = None,
     *,
     grid: Annotated[
-        str | None, typer.Option(metavar="WxH", help="Instead of a map: so many columns and rows.")
+        str | None,
+        typer.Option(
+            metavar="WxH",
+            help="Instead of a map: so many columns and rows.",
+            show_default="none: give a map",
+        ),
     ] = None,
     door: Annotated[
         list[str] | None,
@@ -34,6 +45,7 @@ def disperse(
             metavar="COL,ROW",
             help="Cell of a door, counted from the top left, from 0, in place of the map's doors; "
             "may be given several times. 'best': where total travel is least.",
+            show_default="the map's",
         ),
     ] = None,
     rule: Annotated[
@@ -51,16 +63,31 @@ def disperse(
     force: Annotated[bool, typer.Option("--force", help="Run a region with holes too.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     max_steps: Annotated[
-        int | None, typer.Option(min=1, help="End the run after so many steps at the latest.")
+        int | None,
+        typer.Option(
+            min=1,
+            help="End the run after so many steps at the latest.",
+            show_default="no limit",
+        ),
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the last step.")
+        Path | None,
+        typer.Option(metavar="FILE.png", help="Draw the last step.", show_default="none is made"),
     ] = None,
     at: Annotated[
-        int | None, typer.Option(min=1, metavar="STEP", help="Draw the end of this step instead.")
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="STEP",
+            help="Draw the end of this step instead.",
+            show_default="the last",
+        ),
     ] = None,
     video_file: Annotated[
-        Path | None, typer.Option("--video", metavar="FILE.mp4", help="Draw every step.")
+        Path | None,
+        typer.Option(
+            "--video", metavar="FILE.mp4", help="Draw every step.", show_default="none is made"
+        ),
     ] = None,
 ) -> None:
     """Disperse robots over a region of the grid, by the paper's synchronous model.
@@ -77,6 +104,8 @@ def disperse(
     from sim.video.errors import VideoError
     from sim.video.target import check_target
     from troupe.compiling import Compiling
+    from troupe.maps import find_map
+    from troupe.warm import tell, warm_once
 
     try:
         if picture is not None:
@@ -85,9 +114,14 @@ def disperse(
             check_target(video_file)
     except VideoError as error:
         _fail(str(error))
-    with Compiling():
+    try:
+        found = None if map_file is None else find_map(map_file)
+    except UsageError as error:
+        _fail(str(error))
+    warm_once(tell)
+    with Compiling(), raised():
         run, outcome = _dispersed(
-            map_file,
+            found,
             grid,
             door or [],
             rule,

@@ -23,7 +23,7 @@ def import_(
         typer.Argument(
             metavar="[FILE.cfg]",
             help="Player's configuration file: ports, indices, which ranger is a laser.",
-            show_default=False,
+            show_default="none",
         ),
     ] = None,
     output: Annotated[
@@ -32,8 +32,8 @@ def import_(
             "-o",
             "--output",
             metavar="WORLD.yaml",
-            help="Where to write it. [default: FILE.yaml in the current folder]",
-            show_default=False,
+            help="Where to write it.",
+            show_default="FILE.yaml in the current folder",
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Write over files that exist.")] = False,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -16,6 +15,7 @@ from player import DeviceAddr, MessageType, PlayerClient, PlayerError, Proxy, Xd
 from player.codes import Interface
 from player.printable import printable
 from troupe.commands.devices import ServerArgument, TimeoutOption, connect
+from troupe.interrupts import raised
 
 Reading = tuple[float, int, bytes]
 """Simulated time in seconds, subtype and payload of one message."""
@@ -28,7 +28,7 @@ def print_(
     ],
     count: Annotated[
         int | None,
-        typer.Option(min=1, help="End after so many messages.", show_default=False),
+        typer.Option(min=1, help="End after so many messages.", show_default="never"),
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="One JSON object per line, with all fields.")
@@ -42,7 +42,7 @@ def print_(
     """
     try:
         addr = readable(device)
-        with connect(server, timeout, mode="push") as client:
+        with raised(), connect(server, timeout, mode="push") as client:
             follow(client, addr, count, as_json)
             ending = client.ending
     except (PlayerError, ValueError) as error:
@@ -50,9 +50,6 @@ def print_(
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
         raise typer.Exit(130) from None
-    except BrokenPipeError:  # the reader of our output, `head` say, has enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise typer.Exit(0) from None
     if ending:
         print(ending, file=sys.stderr)
 

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-import signal
+import contextlib
 import socket
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from troupe.interrupts import interrupt
+from sim.interrupts import Interrupts
+from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
+from troupe.streams import OutputLost, ReaderGone
 from troupe.usage import UsageError, told
+
+if TYPE_CHECKING:
+    from troupe.running import Run
 
 
 def run(
@@ -20,10 +25,12 @@ def run(
         str, typer.Argument(metavar="WORLD", help="A world file, or the name of one of Troupe's.")
     ],
     seed: Annotated[
-        int | None, typer.Option(help="All that is random follows from it.", show_default=False)
+        int | None,
+        typer.Option(help="All that is random follows from it.", show_default="the world's"),
     ] = None,
     duration: Annotated[
-        float | None, typer.Option(help="Simulated seconds at most.", show_default=False)
+        float | None,
+        typer.Option(help="Simulated seconds at most.", show_default="the world's"),
     ] = None,
     set_: Annotated[
         list[str] | None,
@@ -31,121 +38,126 @@ def run(
             "--set",
             metavar="KEY=VALUE",
             help="Change the world, as in models.rover.drive.max_speed=0.3. May be repeated.",
+            show_default="no change",
         ),
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the result as one JSON object.")
     ] = False,
     quiet: Annotated[
-        bool, typer.Option("--quiet", help="No progress, no controllers' output; the result only.")
+        bool,
+        typer.Option(
+            "--quiet",
+            help="No progress, no controllers' output; the result only (and a warning where others "
+            "can reach the robots).",
+        ),
     ] = False,
     video: Annotated[
-        Path | None, typer.Option(metavar="FILE.mp4", help="Make a video of the run.")
+        Path | None,
+        typer.Option(
+            metavar="FILE.mp4", help="Make a video of the run.", show_default="none is made"
+        ),
     ] = None,
     video_fps: Annotated[
-        float | None, typer.Option(help="Frames per second of video. [default: 25]")
+        float | None, typer.Option(help="Frames per second of video.", show_default="25")
     ] = None,
     video_speed: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second of video. [default: 10]")
+        float | None,
+        typer.Option(help="Simulated seconds per second of video.", show_default="10"),
     ] = None,
     video_size: Annotated[
         str | None,
-        typer.Option(metavar="WxH", help="Pixels. [default: the world's shape, 840 at the most]"),
+        typer.Option(
+            metavar="WxH", help="Pixels.", show_default="the world's shape, 840 at the most"
+        ),
     ] = None,
     realtime: Annotated[
         float | None,
         typer.Option(
-            metavar="FACTOR", help="Hold the run to the wall clock: 1 is real time. [default: no]"
+            metavar="FACTOR",
+            help="Hold the run to the wall clock: 1 is real time.",
+            show_default="as fast as possible",
         ),
     ] = None,
     listen: Annotated[
         str | None,
-        typer.Option(metavar="HOST:PORT", help="Let Player clients connect over TCP."),
+        typer.Option(
+            metavar="HOST:PORT",
+            help="Let Player clients connect over TCP.",
+            show_default="only where the world says so",
+        ),
     ] = None,
     patience: Annotated[
-        float, typer.Option(help="Wall-clock seconds that a controller may hold up the others.")
+        float,
+        typer.Option(
+            help="Wall-clock seconds that a controller may hold up the others; twice that until "
+            "its first request. 0: for ever."
+        ),
     ] = 60.0,
+    fail_fast: Annotated[
+        bool,
+        typer.Option("--fail-fast", help="End the run when the first controller has failed."),
+    ] = False,
 ) -> None:
     """Run a world to its end and print what came out of it.
 
     Exit code 0: completed; 1: ended short (time limit, a controller failed, hung or was lost);
     2: bad usage or a bad world file; 130: interrupted.
     """
-    signal.signal(signal.SIGTERM, interrupt)
-    try:
-        code = run_and_print(
-            world, seed, duration, set_ or [], as_json, quiet, video, video_fps, video_speed,
-            video_size, realtime, listen, patience,
-        )  # fmt: skip
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        code = 130
-    raise typer.Exit(code)
-
-
-def run_and_print(
-    world: str,
-    seed: int | None,
-    duration: float | None,
-    settings: list[str],
-    as_json: bool,
-    quiet: bool,
-    video: Path | None,
-    video_fps: float | None,
-    video_speed: float | None,
-    video_size: str | None,
-    realtime: float | None,
-    listen: str | None,
-    patience: float,
-) -> int:
-    """The exit code of a run; mistakes are told on standard error."""
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
-    from sim.video.projection import parse_size  # noqa: PLC0415
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
 
-    screen = Screen(quiet)
+    interrupts = Interrupts(again=leave)
     try:
-        with screen:
+        with Screen(quiet) as screen:
             done = run_file(
                 world,
                 seed=seed,
                 duration=duration,
-                settings=settings,
+                settings=set_ or [],
                 realtime=realtime,
-                listen=None if listen is None else parse_listen(listen),
+                listen=listen,
                 patience=patience,
+                fail_fast=fail_fast,
                 video=video,
                 video_fps=video_fps,
                 video_speed=video_speed,
-                video_size=None if video_size is None else parse_size(video_size),
+                video_size=video_size,
                 say=screen.say,
+                warn=screen.warn,
                 each_tick=screen.progress,
+                while_waiting=screen.waiting,
+                interrupts=interrupts,
             )
+        show(done, as_json, video)
+        code = done.result.exit_code or int(done.video_error is not None)
     except (UsageError, VideoError, WorldError) as error:
         print(error, file=sys.stderr)
-        return 2
+        code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
         named = f"--listen {listen}" if listen is not None else "player.host"
         print(f"{named}: " * isinstance(error, socket.gaierror) + told(error), file=sys.stderr)
-        return 2
-    result = done.result
+        code = 2
+    except OutputLost:
+        if not interrupts.noted:
+            raise
+        code = 1
+    interrupts.release()
+    raise typer.Exit(EXIT_CODE if interrupts.noted else code)
+
+
+def show(done: Run, as_json: bool, video: Path | None) -> None:
+    """Print the result, to the last byte; whoever reads it may have enough before."""
     if done.video_error is not None:
         print(done.video_error, file=sys.stderr)
-    if as_json:
-        from sim.strictjson import dumps  # noqa: PLC0415
+    with contextlib.suppress(ReaderGone):
+        if as_json:
+            from sim.strictjson import dumps  # noqa: PLC0415
 
-        print(dumps(result.as_json()))
-    else:
-        from troupe.summary import summary  # noqa: PLC0415
+            print(dumps(done.result.as_json()))
+        else:
+            from troupe.summary import summary  # noqa: PLC0415
 
-        print(summary(result, video if done.video_error is None else None))
-    return result.exit_code or int(done.video_error is not None)
-
-
-def parse_listen(text: str) -> tuple[str, int]:
-    """`HOST:PORT`, or a port alone, as (host, port); raises UsageError."""
-    host, _, port = text.rpartition(":")
-    if not port.isdecimal() or not 0 <= int(port) <= 65535:
-        raise UsageError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
-    return host.strip("[]") or "127.0.0.1", int(port)
+            print(summary(done.result, video if done.video_error is None else None))
+        sys.stdout.flush()

@@ -1,0 +1,169 @@
+"""The kernels are compiled once, all of them, and what is damaged of their cache does no harm."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.processes import environment, troupe_command
+from troupe.kernel_cache import is_whole, sealed
+from troupe.warm import KEPT, NOT_KEPT
+
+EVERYTHING = """
+import troupe
+from troupe.compiling import Compiling
+from troupe.warm import warm_once
+from troupe.worlds import world_names
+
+lines = []
+warm_once(lines.append)
+assert len(lines) == 1 and lines[0].startswith("compiling the kernels"), lines
+warm_once(lines.append)
+assert len(lines) == 1, lines
+for name in world_names():
+    troupe.run(name, duration=0.3, say=lines.append)
+    assert not [line for line in lines[1:] if "compiling" in line], (name, lines)
+with Compiling() as compiling:
+    from gridworld.grid import simulate
+    from gridworld.median import best_door
+    from gridworld.regions import load, rectangle
+    from controllers.dispersal.rules import RULES
+    from troupe.maps import map_files
+    for path in map_files().values():
+        region = load(path)
+        region = region if region.doors else region.with_doors([best_door(region)])
+        for rule in RULES:
+            simulate(region, rule, q=0.1, seed=3)
+    assert not compiling.spans
+print("nothing else was compiled")
+"""
+
+
+def python(program: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", program], env=environment(**variables),
+        capture_output=True, text=True, check=False, timeout=600,
+    )  # fmt: skip
+
+
+def troupe(cache: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        troupe_command(*words), env=environment(NUMBA_CACHE_DIR=str(cache)),
+        capture_output=True, text=True, check=False, timeout=600,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache of its own, in which a first command has compiled what there is."""
+    folder = tmp_path_factory.mktemp("numba")
+    done = python(EVERYTHING, NUMBA_CACHE_DIR=str(folder))
+    assert done.stdout == "nothing else was compiled\n", done.stderr
+    return folder
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "wander", "--duration", "0.3"),
+        ("disperse", "--grid", "4x4", "--door", "best"),
+        ("check", "wander"),
+    ],
+)
+def test_the_next_commands_have_nothing_to_compile(cache: Path, words: tuple[str, ...]) -> None:
+    done = troupe(cache, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_whole_folder_of_damaged_files_is_compiled_anew(cache: Path) -> None:
+    (folder,) = cache.glob("dispersal_*")
+    for number, path in enumerate(sorted(folder.glob("*.nb?"))):
+        path.write_bytes(path.read_bytes()[: (number % 3) * 40])
+    again = ["compiling a kernel that is new here (only once; it may take a minute) ..."]
+    for lines in (again, []):
+        done = troupe(cache, "disperse", "--grid", "4x4", "--door", "best")
+        assert (done.returncode, done.stderr.splitlines()) == (0, lines)
+
+
+KERNEL = """
+import numba
+from troupe.kernel_cache import distrust_cache
+distrust_cache()
+@numba.njit(numba.int64(numba.int64), cache=True)
+def double(x):
+    return 2 * x
+print(double(21), sum(double.stats.cache_hits.values()))
+"""
+
+
+def cut(data: bytes) -> bytes:
+    return data[: len(data) // 2]
+
+
+def flipped(data: bytes) -> bytes:
+    """One bit, within what is code."""
+    middle = data.find(b"\x7fELF") + 700 if b"\x7fELF" in data else len(data) // 2
+    return data[:middle] + bytes([data[middle] ^ 16]) + data[middle + 1 :]
+
+
+@pytest.mark.parametrize("damage", [lambda data: b"", cut, flipped, lambda data: b"\x80garbage"])
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_damaged_file_is_compiled_anew_and_mended(
+    tmp_path: Path, ending: str, damage: Callable[[bytes], bytes]
+) -> None:
+    (tmp_path / "kernel.py").write_text(KERNEL)
+
+    def run() -> str:
+        done = subprocess.run(
+            [sys.executable, "kernel.py"], env=environment(), cwd=tmp_path,
+            capture_output=True, text=True, check=False, timeout=600,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert [run(), run()] == ["42 0\n", "42 1\n"]
+    (path,) = (tmp_path / "__pycache__").glob(f"*.{ending}")
+    path.write_bytes(damage(path.read_bytes()))
+    assert run() == "42 0\n" if ending == "nbc" else run().startswith("42 ")
+    assert run() == "42 1\n"
+
+
+def test_a_seal_tells_what_is_damaged_and_nothing_of_what_has_none() -> None:
+    data = bytes(range(256))
+    assert is_whole(data)
+    assert is_whole(b"")
+    assert is_whole(sealed(data))
+    assert not is_whole(flipped(sealed(data)))
+
+
+NOWHERE = """
+import sys
+from numba.core import caching
+caching.CacheImpl._locator_classes = []  # as where no folder can be written
+sys.argv = ["troupe", *{words!r}]
+from troupe.__main__ import main
+main()
+"""
+
+
+def test_where_nothing_can_be_kept_it_is_said_with_what_to_do() -> None:
+    done = python(NOWHERE.format(words=["warm"]))
+    assert (done.returncode, done.stderr) == (1, f"{NOT_KEPT}\n")
+    assert "NUMBA_CACHE_DIR" in NOT_KEPT
+    done = python(NOWHERE.format(words=["disperse", "--grid", "3x3", "--door", "1,1"]))
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == f"compiling (it may take a minute); {NOT_KEPT}\n"
+
+
+def test_warm_tells_what_it_does_and_where_it_keeps_it(cache: Path) -> None:
+    done = troupe(cache, "warm")
+    (folder,) = cache.glob("sensors_*")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"all kernels are compiled, and kept in {folder}\n"
+    for mark in folder.glob("*.warm"):
+        mark.unlink()
+    assert troupe(cache, "warm").stderr == KEPT.format(folder) + "\n"

@@ -1,0 +1,75 @@
+"""numba's cache on disk: where it is, and that nothing damaged comes out of it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+from pathlib import Path
+from typing import Any
+
+SEAL = b"sealed by sha256:"
+"""Stands before the digest at the end of a file; readers of pickles do not look behind these."""
+
+
+def cache_folder() -> Path | None:
+    """Where numba keeps the machine code of the sensors; None if nothing can be kept."""
+    from sensors.rays import cast_fans  # noqa: PLC0415 - loads numba
+
+    path = getattr(getattr(cast_fans, "_cache", None), "cache_path", None)
+    return None if path is None else Path(path)
+
+
+def sealed(data: bytes) -> bytes:
+    """Bytes with their digest behind them."""
+    return data + SEAL + hashlib.sha256(data).digest()
+
+
+def is_whole(data: bytes) -> bool:
+    """Whether bytes are what was written, as far as that can be told: old ones have no seal."""
+    size = len(SEAL) + hashlib.sha256().digest_size
+    body, seal = data[:-size], data[-size:]
+    return not seal.startswith(SEAL) or sealed(body) == data
+
+
+def distrust_cache() -> None:
+    """From now on what cannot be read is compiled anew, and what cannot be written is not kept.
+
+    numba itself gives up where a file of its cache is empty, cut or damaged, as after a crash or on
+    a full disk. Changes numba in this process; a second call changes nothing.
+    """
+    from numba.core import caching  # noqa: PLC0415 - slow to load
+
+    file: Any = caching.IndexDataCacheFile
+    cache: Any = caching.Cache
+    if hasattr(file, "_troupe"):
+        return
+    file._troupe = True
+    load_index, load_data, dump = file._load_index, file._load_data, file._dump
+    load_overload, save_overload = cache._load_overload, cache._save_overload
+
+    def index_or_none(self: Any) -> dict[Any, str]:
+        try:
+            return dict(load_index(self))
+        except Exception:  # a damaged pickle raises anything
+            return {}
+
+    def whole_data(self: Any, name: str) -> Any:
+        if not is_whole(Path(self._data_path(name)).read_bytes()):
+            raise OSError(f"{name} is damaged")
+        return load_data(self, name)
+
+    def loaded(self: Any, sig: Any, target_context: Any) -> Any:
+        try:
+            return load_overload(self, sig, target_context)
+        except Exception:
+            return None
+
+    def saved(self: Any, sig: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            save_overload(self, sig, data)
+
+    file._load_index = index_or_none
+    file._load_data = whole_data
+    file._dump = lambda self, data: sealed(dump(self, data))
+    cache._load_overload = loaded
+    cache._save_overload = saved

@@ -1,0 +1,160 @@
+"""Compiles every kernel that ships, once: `troupe warm`, and the first command that needs them."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import platform
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import typer
+
+# What loads numba is loaded when it is needed: other commands stay quick.
+# ruff: noqa: PLC0415
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCES = ("sensors", "sim/stage", "controllers/dispersal")
+"""The folders of the kernels."""
+
+KEPT = "compiling the kernels for this machine, only once (it may take a minute); kept in {} ..."
+NOT_KEPT = (
+    "the compiled kernels cannot be kept, so they are compiled anew each time: no cache folder can "
+    "be written. Set NUMBA_CACHE_DIR to a folder that can be"
+)
+
+WORLD = """\
+# One of everything that is computed by a kernel.
+size: [12, 12]
+obstacles:
+  - {shape: circle, radius: 0.4, pose: [6, 6, 0], movable: true}
+models:
+  all:
+    body: {shape: box, size: [0.6, 0.6]}
+    fiducial: 1
+    odometry_noise: {slip: 0.01, turn: 0.01}
+    sensors:
+      - {type: laser, noise: 0.01}
+      - {type: ranger, elements: [[0.3, 0, 0]], range: 5, fov: 15, noise: 0.01}
+      - {type: blobfinder, colors: [red]}
+      - {type: fiducial}
+      - {type: bumper}
+    actuators: [{type: sprayer}]
+  car:
+    body: {shape: circle, radius: 0.3}
+    drive: {kind: car, wheelbase: 0.4, max_steering: 30}
+    localization: gps
+  slider:
+    body: {shape: polygon, points: [[-0.3, -0.3], [0.3, 0], [-0.3, 0.3]]}
+    drive: {kind: omnidirectional}
+robots:
+  - {model: all, count: 2, placement: random}
+  - {model: car, count: 2, placement: random}
+  - {model: slider, count: 2, placement: random}
+"""
+
+
+def warm() -> None:
+    """Compile every kernel now, and keep the machine code, so that no run has to wait for it.
+
+    The first command that computes something does it otherwise. Exit code 1 where nothing can be
+    kept.
+    """
+    folder = warm_once(tell)
+    if folder is None:
+        tell(NOT_KEPT)
+        raise typer.Exit(1)
+    print(f"all kernels are compiled, and kept in {folder}")
+
+
+def tell(line: str) -> None:
+    """Print a line on standard error."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def warm_once(say: Callable[[str], None]) -> Path | None:
+    """Compile what has not been compiled on this machine; where it is kept, None if nowhere.
+
+    Where nothing can be kept nothing is done: each kernel is compiled when it is needed.
+    """
+    from troupe.kernel_cache import cache_folder, distrust_cache
+
+    distrust_cache()
+    folder = cache_folder()
+    if folder is None:
+        return None
+    mark = folder / f"{machine()}-{sources()}.warm"
+    if not mark.exists():
+        say(KEPT.format(folder))
+        compile_all()
+        with contextlib.suppress(OSError):  # a full disk: the next command tries it again
+            for older in folder.glob(f"{machine()}-*.warm"):
+                older.unlink()
+            mark.touch()
+    return folder
+
+
+def machine() -> str:
+    """What machine code depends on besides the sources."""
+    import numba
+    from llvmlite import binding
+
+    features = sorted(binding.get_host_cpu_features().items())
+    parts = (numba.__version__, sys.version, platform.machine(), binding.get_host_cpu_name())
+    return hashlib.sha256(repr((parts, features)).encode()).hexdigest()[:12]
+
+
+def sources() -> str:
+    """A digest of what the kernels' sources are, by their sizes and times."""
+    files = sorted(path for name in SOURCES for path in (ROOT / name).glob("*.py"))
+    stats = [(path.name, path.stat()) for path in [*files, Path(__file__)]]
+    text = repr([(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats])
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def compile_all() -> None:
+    """Do a little of everything that is computed by a kernel."""
+    sense_and_move()
+    disperse()
+
+
+def sense_and_move() -> None:
+    """Two ticks of a small world in which everything is sensed and every drive and sprayer on."""
+    from sim.engine import Engine, Settings
+    from sim.fleet.fleet import Fleet
+    from sim.worldfile import load
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "everything.yaml"
+        path.write_text(WORLD)
+        loaded = load(path)
+    fleet = Fleet()
+    try:
+        settings = Settings(seed=1, duration=1.0, sense_all=True)
+        engine = Engine(loaded, settings, fleet, lambda line: None)
+    except BaseException:
+        fleet.close()
+        raise
+
+    def drive(engine: Engine) -> None:
+        for robot in range(len(engine.context.records)):
+            engine.context.drive(robot, (0.2, 0.0, 0.3))
+        for sprayer in engine.context.spraying:
+            engine.context.spraying[sprayer] = True
+
+    engine.run(drive)
+
+
+def disperse() -> None:
+    """Every rule on a small grid."""
+    from gridworld.grid import simulate
+    from gridworld.median import best_door
+    from gridworld.regions import rectangle
+    from controllers.dispersal.rules import RULES
+
+    region = rectangle(3, 3, [(1, 1)])
+    best_door(region)
+    for rule in RULES:
+        simulate(region, rule)
