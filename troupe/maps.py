@@ -8,13 +8,13 @@ from pathlib import Path
 from troupe.usage import UsageError
 from troupe.worlds import worlds_folder
 
-DISPERSAL = Path(__file__).resolve().parent.parent / "controllers" / "dispersal" / "maps"
+GRIDWORLD = Path(__file__).resolve().parent.parent / "gridworld" / "maps"
 
 
 def map_files() -> dict[str, Path]:
     """The text maps that come with Troupe, by name, sorted."""
     shipped = worlds_folder()
-    folders = [DISPERSAL] if shipped is None else [shipped / "maps", DISPERSAL]
+    folders = [GRIDWORLD] if shipped is None else [shipped / "maps", GRIDWORLD]
     found = {path.stem: path for folder in folders for path in folder.glob("*.txt")}
     return dict(sorted(found.items()))
 

@@ -1,4 +1,4 @@
-"""Compiles every kernel that ships, once: `troupe warm`, and the first command that needs them."""
+"""Compiles every kernel that ships, once, before the first command that computes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,11 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-import typer
-
 # What loads numba is loaded when it is needed: other commands stay quick.
 # ruff: noqa: PLC0415
 
 ROOT = Path(__file__).resolve().parent.parent
-SOURCES = ("sensors", "sim/stage", "controllers/dispersal")
+SOURCES = ("sensors", "sim/stage", "controllers/dispersal", "gridworld")
 """The folders of the kernels."""
 
 KEPT = "compiling the kernels for this machine, only once (it may take a minute); kept in {} ..."
@@ -54,19 +52,6 @@ robots:
   - {model: car, count: 2, placement: random}
   - {model: slider, count: 2, placement: random}
 """
-
-
-def warm() -> None:
-    """Compile every kernel now, and keep the machine code, so that no run has to wait for it.
-
-    The first command that computes something does it otherwise. Exit code 1 where nothing can be
-    kept.
-    """
-    folder = warm_once(tell)
-    if folder is None:
-        tell(NOT_KEPT)
-        raise typer.Exit(1)
-    print(f"all kernels are compiled, and kept in {folder}")
 
 
 def tell(line: str) -> None:
@@ -149,10 +134,10 @@ def sense_and_move() -> None:
 
 def disperse() -> None:
     """Every rule on a small grid."""
+    from controllers.dispersal.rules import RULES
     from gridworld.grid import simulate
     from gridworld.median import best_door
     from gridworld.regions import rectangle
-    from controllers.dispersal.rules import RULES
 
     region = rectangle(3, 3, [(1, 1)])
     best_door(region)

@@ -250,6 +250,9 @@ def _a_second_at_each_look(monkeypatch):
     monkeypatch.setattr("player.link.monotonic", lambda: float(next(seconds)))
 
 
+LOOKS = 5.0
+"""Seconds of that clock."""
+
 FLOODS = [
     pytest.param(say(POSITION2D, 0, DATA, 1, bytes(52)), id="data"),
     pytest.param(say(PLAYER, 0, SYNCH, 1), id="synch"),
@@ -260,7 +263,7 @@ FLOODS = [
 @pytest.mark.usefixtures("_a_second_at_each_look")
 @pytest.mark.parametrize("message", FLOODS)
 def test_a_server_that_never_stops_talking_holds_no_request_past_its_time(message):
-    with PlayerClient(sock=Flood(message, {DATAMODE, RULE, DEV}), timeout=5.0) as robot:
+    with PlayerClient(sock=Flood(message, {DATAMODE, RULE, DEV}), timeout=LOOKS) as robot:
         base = Position2dProxy(robot)
         with pytest.raises(PlayerTimeout, match="reset_odometry"):
             base.reset_odometry()
@@ -270,7 +273,7 @@ def test_a_server_that_never_stops_talking_holds_no_request_past_its_time(messag
 def test_a_server_that_never_ends_its_round_holds_no_read_past_its_time():
     message = say(POSITION2D, 0, DATA, 1, bytes(52))
     answers = {DATAMODE, RULE, DEV, GET_DATA}
-    with PlayerClient(sock=Flood(message, answers), timeout=5.0, read_timeout=5.0) as robot:
+    with PlayerClient(sock=Flood(message, answers), timeout=LOOKS, read_timeout=LOOKS) as robot:
         Position2dProxy(robot)
         with pytest.raises(PlayerTimeout, match="data"):
             robot.read()
@@ -284,7 +287,7 @@ def test_a_banner_byte_by_byte_holds_no_client_past_its_time():
             return BANNER[self.heard - 1 : self.heard]
 
     with pytest.raises(PlayerTimeout, match="the banner"):
-        PlayerClient(sock=Drip(b"", set()), timeout=5.0)
+        PlayerClient(sock=Drip(b"", set()), timeout=LOOKS)
 
 
 def test_what_a_client_keeps_while_it_waits_for_a_reply_is_bounded():

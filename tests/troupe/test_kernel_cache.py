@@ -80,7 +80,7 @@ def test_the_next_commands_have_nothing_to_compile(cache: Path, words: tuple[str
 
 
 def test_a_whole_folder_of_damaged_files_is_compiled_anew(cache: Path) -> None:
-    (folder,) = cache.glob("dispersal_*")
+    (folder,) = cache.glob("gridworld_*")
     for number, path in enumerate(sorted(folder.glob("*.nb?"))):
         path.write_bytes(path.read_bytes()[: (number % 3) * 40])
     again = ["compiling a kernel that is new here (only once; it may take a minute) ..."]
