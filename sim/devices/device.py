@@ -142,7 +142,7 @@ class Device(Protocol):
 
 def sane(*numbers: float) -> bool:
     """Whether these can be granted as they are: finite, and not absurd."""
-    return all(-FARTHEST <= number <= FARTHEST for number in numbers)
+    return max(numbers) <= FARTHEST and min(numbers) >= -FARTHEST and finite(*numbers)
 
 
 def finite(*numbers: float) -> bool:

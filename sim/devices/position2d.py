@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from player import DeviceAddr
 from player.codes import Interface
 from sim.devices.device import (
+    FARTHEST,
     Context,
     Refused,
     Values,
@@ -26,6 +27,14 @@ from sim.devices.device import (
 STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
 
 Pose = tuple[float, float, float]
+
+NUMBERS: dict[str, Callable[[Values], tuple[float, ...]]] = {
+    "velocity": lambda values: tuple(values["vel"]),
+    "position": lambda values: (*values["pos"], *values["vel"]),
+    "car": lambda values: (values["velocity"], values["angle"]),
+    "velocity_heading": lambda values: (values["velocity"], values["heading"]),
+}
+"""What the commands say of where to and how fast."""
 
 DRIVE = "drive"
 """The key of all that sets a robot's motion: of several commands in a tick the last one wins."""
@@ -63,15 +72,6 @@ def compose(a: Pose, b: Pose) -> Pose:
     return (a[0] + cos * b[0] - sin * b[1], a[1] + sin * b[0] + cos * b[1], a[2] + b[2])
 
 
-def numbers(values: Values) -> list[float]:
-    """All that a command says where and how fast, in its order; `state` is not of that."""
-    found: list[float] = []
-    for name, value in values.items():
-        if name != "state":
-            found += value if isinstance(value, tuple) else [value]
-    return found
-
-
 def invert(a: Pose) -> Pose:
     """The pose of the frame that `a` is given in, in the frame of `a`."""
     cos, sin = math.cos(a[2]), math.sin(a[2])
@@ -105,11 +105,12 @@ class Position2d:
         obey = self.obeys.get(name)
         if obey is None:
             return
-        if finite(*numbers(values)):
+        numbers = NUMBERS[name](values)
+        if finite(*numbers):
             self.context.later(self.robot, lambda: obey(values), DRIVE)
             return
         self.context.later(self.robot, self.stop, DRIVE)
-        told = ", ".join(f"{number:g}" for number in numbers(values))
+        told = ", ".join(f"{number:g}" for number in numbers)
         self.context.complain(
             self.robot, f"the command {name} ({told}), which is no number: the robot stops"
         )
@@ -118,12 +119,14 @@ class Position2d:
         self.context.drive(self.robot, (0.0, 0.0, 0.0))
 
     def move(self, values: Values) -> None:
-        vx, vy, wz = values["vel"]
-        if self.kind == "omnidirectional":
-            vx, vy = scaled(vx, vy)
-        elif self.kind == "car":
-            vx, wz = scaled(vx, wz)  # the ratio is the circle that it drives
-        self.context.drive(self.robot, (limited(vx), limited(vy), limited(wz)))
+        vx, vy, wz = twist = values["vel"]
+        if max(twist) > FARTHEST or min(twist) < -FARTHEST:
+            if self.kind == "omnidirectional":
+                vx, vy = scaled(vx, vy)
+            elif self.kind == "car":
+                vx, wz = scaled(vx, wz)  # the ratio is the circle that it drives
+            twist = (limited(vx), limited(vy), limited(wz))
+        self.context.drive(self.robot, twist)
 
     def go_to(self, values: Values) -> None:
         (x, y, yaw), speed = values["pos"], values["vel"]

@@ -61,7 +61,10 @@ class Driver:
     @property
     def asking(self) -> bool:
         """Whether the controller waits for data, at one of its connections."""
-        return any(reader.session.waiting for reader in self.readers)
+        for reader in self.readers:  # noqa: SIM110 - a generator for each robot and tick costs
+            if reader.session.waiting:
+                return True
+        return False
 
     @property
     def pushed(self) -> bool:

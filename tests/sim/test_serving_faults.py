@@ -96,7 +96,7 @@ def where_it_fails(monkeypatch: pytest.MonkeyPatch, where: str) -> None:
     elif where == "in the reply":
         monkeypatch.setattr(Position2d, "request", lambda *_: {"no": "such field"})
     elif where == "when it is carried out":
-        monkeypatch.setattr(position2d, "limited", fail)
+        monkeypatch.setattr(position2d, "heading", fail)
     else:
         monkeypatch.setattr(Laser, "encode", fail)
 
@@ -120,7 +120,7 @@ def test_an_error_costs_its_client_the_connection_and_nobody_else_anything(
             where_it_fails(patch, where)
             other.ask()
             with pytest.raises(Gone):  # noqa: PT012 - in which of them depends on where
-                client.command(POSITION2D, 0, 1, struct.pack(">3dI", 0.3, 0, 0, 1))
+                client.command(POSITION2D, 0, 4, struct.pack(">2d", 0.3, 0.1))
                 client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0, 2, 0, 0, 0))
                 client.subscribe(LASER)
                 client.request(POSITION2D, 0, 1)
@@ -144,7 +144,7 @@ def test_an_error_costs_its_client_the_connection_and_nobody_else_anything(
 def test_a_program_that_lost_its_connection_so_is_lost_in_the_result(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(position2d, "limited", fail)
+    monkeypatch.setattr(position2d, "heading", fail)
     (tmp_path / "mine.py").write_text("""
 from player import PlayerClient, Position2dProxy
 
@@ -152,7 +152,7 @@ with PlayerClient() as robot:
     base = Position2dProxy(robot)
     while robot.read():
         if robot.name == "two" and robot.time > 0.5:
-            base.set_speed(0.3)
+            base.set_velocity_heading(0.3, 0.1)
 """)
     world = WORLD.replace("{external: true}", "{program: ./mine.py}")
     lines: list[str] = []
