@@ -31,6 +31,8 @@ from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
+ROUNDING = 1e-9
+"""s by which sums of intervals in doubles may be off."""
 
 
 @dataclass(frozen=True)
@@ -221,7 +223,7 @@ class Engine:
         """How the run has ended, None while it goes on."""
         if self.interrupted or self.crew.interrupted:
             return "interrupted"
-        over = self.time >= self.settings.duration - 1e-9
+        over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
         entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
         done = not waits_for_time and not self.crew.running and entered
