@@ -28,10 +28,6 @@ from sim.worldfile.mistakes import Mistake, WorldError
 if TYPE_CHECKING:
     from sim.worldfile.schema import Door, Map, World
 
-WALL_FRICTION = 0.5
-"""Coefficient of the walls of the boundary and of maps, for which world files have no key.
-Chipmunk multiplies the coefficients of two bodies that touch."""
-
 
 @dataclass(frozen=True)
 class Solid:
@@ -39,13 +35,14 @@ class Solid:
 
     vertices (k, 2) counter-clockwise in the world; color 0xRRGGBB; height in metres. Pieces of
     one thing (all blocks of a map) share `group`, so that a robot that slides from block to
-    block touches one wall once.
+    block touches one wall once. Chipmunk multiplies the coefficients of friction of two bodies
+    that touch.
     """
 
     vertices: Floats
     color: int
     height: float
-    friction: float = WALL_FRICTION
+    friction: float
     group: int = 0
 
 
@@ -161,13 +158,13 @@ def build_layout(world: World, folder: Path) -> Layout:
         if wall.shape == "region" and region is not None:
             ring = region
         for vertices in walls_outside(ring, wall.thickness):
-            solids.append(Solid(vertices, wall.color, wall.height, group=group))
+            solids.append(Solid(vertices, wall.color, wall.height, wall.friction, group))
             group += 1
         faces.add(inner_faces(ring, wall.thickness), wall.color, wall.height)
     if raster is not None and world.map is not None:
-        color, height = world.map.color, world.map.height
+        color, height, friction = world.map.color, world.map.height, world.map.friction
         solids += [
-            Solid(rectangle(*edges), color, height, group=group)
+            Solid(rectangle(*edges), color, height, friction, group)
             for edges in rectangles_in_world(raster)
         ]
         group += 1

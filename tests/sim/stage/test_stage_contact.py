@@ -204,6 +204,38 @@ def test_a_wall_at_an_angle_lets_a_robot_slide_along() -> None:
     assert stage.poses[0, 1] < 9.75 + DEEPEST
 
 
+@pytest.mark.parametrize("against", ["boundary", "map", "obstacle", "robot"])
+@pytest.mark.parametrize(
+    ("own", "other", "slides"), [(2.0, 0.3, True), (2.0, 0.6, False), (4.0, 0.3, False)]
+)
+def test_the_friction_of_two_bodies_is_the_product_of_their_coefficients(
+    tmp_path: Any, against: str, own: float, other: float, slides: bool
+) -> None:
+    """At 45 degrees a robot presses as hard as it drags: it slides if the product is below 1."""
+    (tmp_path / "room.txt").write_text("\n".join(["#" * 10, *["#........#"] * 8, "#" * 10]))
+    models = {
+        "a": robot(drive={"kind": "omnidirectional", "max_torque": 1000.0}, friction=own),
+        "b": robot(drive={"max_force": 1e4, "max_torque": 1e4}, size=(8.0, 1.0), friction=other),
+    }
+    top = {"boundary": 10.0, "map": 9.0, "obstacle": 8.0, "robot": 8.0}[against]
+    box = {"shape": "box", "size": (8.0, 1.0), "pose": (5.0, 8.5, 0), "friction": other}
+    made = world(
+        boundary={"friction": other if against == "boundary" else 7.0},
+        map={"file": "room.txt", "cell": 1.0, "friction": other} if against == "map" else None,
+        obstacles=[box] if against == "obstacle" else [],
+        models=models,
+    )
+    stage = Stage(build_layout(made, tmp_path), made.models, made.clock)
+    stage.add_robot("r", "a", (2.0, top - 0.2, 0.0))
+    if against == "robot":
+        stage.add_robot("s", "b", (5.0, 8.5, 0.0))
+        stage.settle(1)
+    stage.command([0], [[0.3, 0.3, 0.0]])
+    for _ in range(40):
+        stage.tick()
+    assert (stage.poses[0, 0] > 2.2) == slides
+
+
 def test_only_what_begins_to_touch_counts() -> None:
     _, stage = set_up(models={"a": robot()})
     stage.add_robot("r", "a", (9.0, 5, 0))
