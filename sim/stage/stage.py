@@ -116,7 +116,8 @@ class Stage:
 
         Metres and radians per second in the robot's frame, cut to the drive's limits: an
         omnidirectional drive to max_speed in any direction; a differential drive ignores vy; a
-        car drives the circle of radius vx / wz, or the narrowest that it can steer.
+        car drives the circle of radius vx / wz, or the narrowest that it can steer, and a wider
+        one where it would turn faster than max_turn_rate.
         """
         which = np.ascontiguousarray(robots, dtype=np.int64).reshape(-1)
         wanted = np.ascontiguousarray(twists, dtype=np.float64).reshape(-1, 3)
@@ -127,7 +128,8 @@ class Stage:
         """Set a car's speed (m/s) and the angle of its front wheels (rad), cut to its limits.
 
         The origin of a car's body is the middle of its rear axle: it drives a circle of radius
-        wheelbase / tan(steering). Raises ValueError for other drives.
+        wheelbase / tan(steering), or a wider one where that would turn it faster than its
+        max_turn_rate. Raises ValueError for other drives.
         """
         record = self._record(robot)
         model = self.models[self.model_names[robot]].drive

@@ -118,6 +118,65 @@ def test_a_car_cannot_turn_tighter_than_its_steering() -> None:
     assert stage.velocities[0] == pytest.approx([0, 0, 0], abs=1e-9)  # no turning on the spot
 
 
+FORCES = {"max_force": 1e6, "max_torque": 1e6}
+
+
+def test_a_car_that_would_turn_faster_than_it_may_drives_a_wider_circle() -> None:
+    limits = {"max_speed": 2.0, "wheelbase": 0.3, "max_turn_rate": 90.0}
+    stage = one(robot(drive={**CAR, **FORCES, **limits}))
+    for steering in (30.0, -30.0):
+        stage.command_car(0, 2.0, math.radians(steering))
+        go(stage, 30)
+        turn = math.copysign(math.pi / 2, steering)
+        assert stage.velocities[0] == pytest.approx([2.0, 0.0, turn], abs=1e-6)
+    stage.command([0], [[2.0, 0.0, 3.5]])
+    go(stage, 30)
+    assert stage.velocities[0] == pytest.approx([2.0, 0.0, math.pi / 2], abs=1e-6)
+
+
+COMMANDS = st.lists(st.tuples(*[st.floats(-4.0, 4.0)] * 3), min_size=1, max_size=5)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    kind=st.sampled_from(["differential", "omnidirectional", "car"]),
+    limits=st.tuples(
+        st.floats(0.1, 3.0), st.floats(5.0, 400.0), st.floats(0.2, 5.0), st.floats(5.0, 800.0)
+    ),
+    commands=COMMANDS,
+    steered=st.booleans(),
+)
+def test_no_drive_exceeds_any_of_its_limits(
+    kind: str,
+    limits: tuple[float, float, float, float],
+    commands: list[tuple[float, float, float]],
+    steered: bool,
+) -> None:
+    """From every tick to the next; 1e-6 is the rounding of a hundred steps of physics."""
+    axles = {"wheelbase": 0.3, "max_steering": 40.0} if kind == "car" else {}
+    names = ("max_speed", "max_turn_rate", "max_acceleration", "max_turn_acceleration")
+    drive = {"kind": kind, **dict(zip(names, limits, strict=True)), **axles, **FORCES}
+    stage = one(robot(drive=drive))
+    speed, turn = limits[0], math.radians(limits[1])
+    gain, turn_gain = limits[2], math.radians(limits[3])
+    before = np.zeros(3)
+    for command in [*commands, (0.0, 0.0, 0.0)]:
+        if kind == "car" and steered:
+            stage.command_car(0, command[0], command[2])
+        else:
+            stage.command([0], [command])
+        for _ in range(8):
+            stage.tick()
+            vx, vy, wz = stage.velocities[0]
+            assert math.hypot(vx, vy) <= speed + 1e-6
+            assert abs(wz) <= turn + 1e-6
+            assert math.hypot(vx - before[0], vy - before[1]) <= 0.1 * gain + 1e-6
+            assert abs(wz - before[2]) <= 0.1 * turn_gain + 1e-6
+            if kind == "car":
+                assert abs(wz) <= math.tan(math.radians(40.0)) / 0.3 * abs(vx) + 1e-6
+            before[:] = vx, vy, wz
+
+
 def test_only_a_car_is_steered_and_a_car_is_not_sent_to_poses() -> None:
     with pytest.raises(ValueError, match="no steering"):
         one(robot()).command_car(0, 0.5, 0.1)
