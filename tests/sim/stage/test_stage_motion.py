@@ -319,3 +319,56 @@ def test_yaws_are_wrapped(turns: float) -> None:
         assert -math.pi < stage.poses[0, 2] <= math.pi
         assert math.remainder(stage.poses[0, 2] - turns, math.tau) == pytest.approx(0, abs=1e-12)
         stage.tick()
+
+
+BOX = {"shape": "box", "size": (1.0, 1.0), "pose": (5.0, 5.0, 0), "movable": False}
+
+
+def crowded() -> Stage:
+    """Two robots of 0.5 x 0.4 m, a box that stands and one that can be pushed."""
+    obstacles = [BOX, {**BOX, "pose": (8.0, 5.0, 0), "movable": True}]
+    _, stage = set_up(models={"a": robot()}, obstacles=obstacles)
+    stage.add_robot("a", "a", (2.0, 2.0, 0.0))
+    stage.add_robot("b", "a", (4.0, 2.0, 0.0))
+    return stage
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [(5, 5, 0), (4.3, 5, 0), (8.7, 5, 0), (4.0, 2.0, 0), (0.2, 5, 0), (11, 5, 0), (-1, 1, 0)],
+)
+def test_no_robot_is_put_into_anything(pose: tuple[float, float, float]) -> None:
+    stage = crowded()
+    with pytest.raises(ValueError, match="robot a has no room"):
+        stage.set_pose(0, pose)
+    assert stage.poses[0] == pytest.approx([2, 2, 0])
+
+
+def test_a_robot_that_rests_on_something_may_be_put_where_it_is() -> None:
+    stage = crowded()
+    stage.set_pose(0, (4.2, 5.0, 0.0))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    go(stage, 20)
+    assert stage.stalls[0]
+    stage.set_pose(0, stage.poses[0])
+
+
+def test_a_place_that_something_was_pushed_away_from_is_free() -> None:
+    stage = crowded()
+    stage.set_pose(0, (7.0, 5.0, 0.0))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    go(stage, 40)
+    assert stage.movable_poses[0, 0] > 8.5
+    stage.set_pose(1, (7.0, 3.0, 0.0))
+    stage.set_pose(0, (2.0, 2.0, 0.0))
+    stage.set_pose(1, (7.6, 5.0, 0.0))
+
+
+def test_robots_are_put_down_together_and_who_has_no_room_stays_in_the_way() -> None:
+    stage = crowded()
+    assert stage.set_poses({0: (4.0, 2.0, 0.0), 1: (2.0, 2.0, 0.0)}) == []  # a swap
+    assert stage.poses[:, 0] == pytest.approx([4.0, 2.0])
+    # the first has no room in the box, stays, and so the second cannot take its place
+    assert stage.set_poses({0: (5.0, 5.0, 0.0), 1: (4.0, 2.0, 0.0)}) == [0, 1]
+    assert stage.set_poses({0: (6.0, 8.0, 0.0), 1: (6.0, 8.0, 0.0)}) == [1]
+    assert stage.poses[:, 0] == pytest.approx([6.0, 2.0])
