@@ -9,7 +9,7 @@ somebody watches.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -73,7 +73,7 @@ class Engine:
             self.scenery.odometry,
             self.scenery.floor,
             self.interval,
-            put=self.scenery.put,
+            put=self.put,
             repaint=self.scenery.set_color,
         )
         self.crew = Crew(
@@ -178,9 +178,20 @@ class Engine:
         if not self.context.resets:
             return
         self.context.resets = 0
-        for robot, record in enumerate(self.context.records):
-            self.scenery.put(robot, record.start)
-            self.scenery.odometry.reset(robot)
+        starts = {robot: record.start for robot, record in enumerate(self.context.records)}
+        staying = self.put(starts)
+        for robot in starts:
+            if robot not in staying:
+                self.scenery.odometry.reset(robot)
+
+    def put(self, poses: Mapping[int, tuple[float, float, float]]) -> list[int]:
+        """Put robots at poses in the world, all at once; those who have no room there, and stay."""
+        staying = self.scenery.put(poses)
+        for robot in staying:
+            x, y, _ = poses[robot]
+            name = self.context.records[robot].name
+            self.say(f"{name} stays where it is: there is no room for it at [{x:g}, {y:g}]")
+        return staying
 
     def open_doors(self) -> None:
         """Let in the robots whose step has come."""
