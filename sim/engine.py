@@ -9,7 +9,7 @@ somebody watches.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic, perf_counter
@@ -31,6 +31,8 @@ from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
+ROUNDING = 1e-9
+"""s by which sums of intervals in doubles may be off."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class Engine:
             self.scenery.odometry,
             self.scenery.floor,
             self.interval,
-            put=self.scenery.put,
+            put=self.put,
             repaint=self.scenery.set_color,
         )
         self.switchboard = Switchboard(self.context, self.say)
@@ -199,9 +201,20 @@ class Engine:
         if not self.context.resets:
             return
         self.context.resets = 0
-        for robot, record in enumerate(self.context.records):
-            self.scenery.put(robot, record.start)
-            self.scenery.odometry.reset(robot)
+        starts = {robot: record.start for robot, record in enumerate(self.context.records)}
+        staying = self.put(starts)
+        for robot in starts:
+            if robot not in staying:
+                self.scenery.odometry.reset(robot)
+
+    def put(self, poses: Mapping[int, tuple[float, float, float]]) -> list[int]:
+        """Put robots at poses in the world, all at once; those who have no room there, and stay."""
+        staying = self.scenery.put(poses)
+        for robot in staying:
+            x, y, _ = poses[robot]
+            name = self.context.records[robot].name
+            self.say(f"{name} stays where it is: there is no room for it at [{x:g}, {y:g}]")
+        return staying
 
     def open_doors(self) -> None:
         """Let in the robots whose step has come."""
@@ -252,7 +265,7 @@ class Engine:
             return "interrupted"
         if self.crew.failed:
             return "controller_failed"
-        over = self.time >= self.settings.duration - 1e-9
+        over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
         entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
         done = not waits_for_time and not self.crew.running and entered

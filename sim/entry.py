@@ -25,7 +25,7 @@ from sim.fleet.launching import environment, kind_of, launch_of
 from sim.result import RobotRecord
 from sim.scenery import Scenery
 from sim.spray import Sprayers
-from sim.stage.geometry import outline
+from sim.stage.geometry import outline, wrapped
 from sim.worldfile import LoadedWorld
 from sim.worldfile.schema import Model
 
@@ -84,7 +84,7 @@ class Entry:
         model = world.models[model_name]
         kind = kind_of(controller, world.controllers)
         robot = self.scenery.add_robot(name, model_name, model, pose)
-        start = (float(pose[0]), float(pose[1]), float(pose[2]))
+        start = (float(pose[0]), float(pose[1]), float(wrapped(pose[2])))
         record = RobotRecord(
             name, model_name, time, start, start, "none" if kind == "none" else "running"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -95,10 +96,16 @@ class Scenery:
         self.scene.refresh()
         self.suite.contacts = Contacts(*self.stage.stretches)
 
-    def put(self, robot: int, pose: tuple[float, float, float]) -> None:
-        """Put a robot at a pose in the world by hand: no wheel turns."""
-        self.stage.set_pose(robot, pose)
-        self.odometry.relocate(robot, pose)
+    def put(self, poses: Mapping[int, tuple[float, float, float]]) -> list[int]:
+        """Put robots at poses in the world by hand, all at once: no wheel turns.
+
+        Returns those for whom there is no room: they stay where they are.
+        """
+        staying = self.stage.set_poses(poses)
+        for robot, pose in poses.items():
+            if robot not in staying:
+                self.odometry.relocate(robot, pose)
+        return staying
 
     def set_color(self, robot: int, color: int) -> None:
         """Cameras see a robot's new colour from the next reading on."""

@@ -60,7 +60,7 @@ class Context:
     odometry: Odometry
     floor: FloorPaint
     interval: float
-    put: Callable[[int, tuple[float, float, float]], None]  # a robot to a pose in the world
+    put: Callable[[Mapping[int, tuple[float, float, float]]], object]  # robots at poses, at once
     repaint: Callable[[int, int], None]  # a robot's body in another colour
     remark: Callable[[int, int], None] = lambda robot, fiducial: None  # a robot's id, for finders
     models: list[Model] = field(default_factory=list)  # by robot
@@ -74,6 +74,8 @@ class Context:
     pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(
         default_factory=dict
     )
+    puts: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
+    # robots that are to be put at poses, by the robot whose client asked
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     spraying: dict[tuple[int, int], bool] = field(default_factory=dict)  # (robot, sprayer)
     drawings: dict[int, list[Drawing]] = field(default_factory=dict)
@@ -96,7 +98,16 @@ class Context:
         actions[key] = action, self.client
 
     def carry_out(self) -> None:
-        """Call what `later` was given, robot by robot, each in the order of arrival."""
+        """Put robots where they shall be put, all at once; then call what `later` was given.
+
+        Both robot by robot, for each in the order of arrival.
+        """
+        if self.puts:
+            goals: dict[int, tuple[float, float, float]] = {}
+            for asking in sorted(self.puts):
+                goals.update(self.puts[asking])
+            self.puts.clear()
+            self.put(goals)
         while self.pending:
             pending, self.pending = self.pending, {}
             for robot in sorted(pending):

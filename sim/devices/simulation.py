@@ -9,13 +9,10 @@ import struct
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
-import numpy as np
-
 from player import DeviceAddr
 from player.codes import Interface
 from sim import strictjson
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
-from sim.stage.geometry import outline
 
 COLOR = struct.Struct("<4f")
 TIME = struct.Struct("<Q")
@@ -93,10 +90,7 @@ class Simulation:
             }
         if name in ("set_pose2d", "set_pose3d"):
             pose = values["pose"]
-            goal = (pose[0], pose[1], pose[-1])
-            if not (sane(*goal) and self.fits(target, goal)):
-                raise Refused
-            self.later(target, "put", lambda: context.put(target, goal))
+            self.put(target, (pose[0], pose[1], pose[-1]))
             return None
         raise Refused
 
@@ -107,16 +101,18 @@ class Simulation:
             raise Refused
         return robot
 
-    def fits(self, target: int, pose: tuple[float, float, float]) -> bool:
-        """Whether a robot's body lies in the world at a pose: there is no place outside."""
-        body = self.context.models[target].body
-        if body.shape == "circle":
-            corners = np.array([[-body.radius] * 2, [body.radius] * 2]) + pose[:2]
-        else:
-            cos, sin = math.cos(pose[2]), math.sin(pose[2])
-            corners = outline(body) @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
-        least, most = corners.min(axis=0), corners.max(axis=0)
-        return bool((least >= 0).all() and (most <= self.context.stage.layout.size).all())
+    def put(self, target: int, pose: tuple[float, float, float]) -> None:
+        """Have a robot put at a pose at the next command phase; raises Refused without room there.
+
+        Where the others are is what held at the last tick, but for those whom this robot's clients
+        have had put elsewhere since. What others ask for meanwhile is looked at when it is done.
+        """
+        context = self.context
+        alone = len(self.members) == 1
+        asked = context.puts.setdefault(self.robot if alone else target, {})
+        if not (sane(*pose) and context.stage.fits(target, pose, asked if alone else {})):
+            raise Refused
+        asked[target] = pose
 
     def get_property(self, values: Values) -> Values:
         key = values["property"]

@@ -20,6 +20,7 @@ import pymunk
 
 from sim.stage.geometry import Floats, outline, signed_area
 from sim.stage.layout import Solid
+from sim.stage.limits import SLOP
 
 GRAVITY = 9.81
 """m/s2; only friction with the floor knows it."""
@@ -33,7 +34,7 @@ def new_space() -> pymunk.Space:
     """
     space = pymunk.Space()
     space.gravity = (0.0, 0.0)
-    space.collision_slop = 0.005
+    space.collision_slop = SLOP
     space.collision_bias = 0.5**50
     space.sleep_time_threshold = math.inf
     return space

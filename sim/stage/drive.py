@@ -72,7 +72,13 @@ def _set_point(mover: Any, x: float, y: float, yaw: float, dt: float) -> tuple[f
 
 @compiled
 def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
-    """Bring the wanted twist nearer to the set-point, within the limits of acceleration."""
+    """Bring the wanted twist nearer to the set-point, within the limits of acceleration.
+
+    A car turns no faster than its limits allow: a circle that would need more at its speed is
+    driven wider. It turns only while it rolls: if it brakes faster than it may end its turn, it
+    brakes less.
+    """
+    before = mover.wanted_x
     dx, dy = vx - mover.wanted_x, vy - mover.wanted_y
     change, most = math.hypot(dx, dy), mover.max_acceleration * dt
     if change > most:
@@ -83,11 +89,12 @@ def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
         mover.wanted_x, mover.wanted_y = vx, vy
     if mover.kind == CAR and mover.mode == STEERING:
         wz = mover.wanted_x * mover.curvature
+        wz = min(mover.max_turn_rate, max(-mover.max_turn_rate, wz))
     most = mover.max_turn_acceleration * dt
     mover.wanted_turn += min(most, max(-most, wz - mover.wanted_turn))
-    if mover.kind == CAR:
-        most = abs(mover.wanted_x) * mover.max_curvature
-        mover.wanted_turn = min(most, max(-most, mover.wanted_turn))
+    if mover.kind == CAR and abs(mover.wanted_turn) > abs(mover.wanted_x) * mover.max_curvature:
+        rolling = min(abs(before), abs(mover.wanted_turn) / mover.max_curvature)
+        mover.wanted_x = rolling if before >= 0.0 else -rolling
 
 
 @compiled

@@ -98,6 +98,13 @@ def outline(body: Any) -> Floats:
     return counter_clockwise(body.points)
 
 
+def least_width(vertices: Floats) -> float:
+    """The width of a convex polygon (k, 2) across the direction in which it is narrowest."""
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
+    return float(np.ptp(vertices @ normals.T, axis=0).min())
+
+
 def reach(body: Any) -> float:
     """Radius in metres of the smallest circle about a body's origin that holds the body."""
     if body.shape == "circle":

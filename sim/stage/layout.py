@@ -28,10 +28,6 @@ from sim.worldfile.mistakes import Mistake, WorldError
 if TYPE_CHECKING:
     from sim.worldfile.schema import Door, Map, World
 
-WALL_FRICTION = 0.5
-"""Coefficient of the walls of the boundary and of maps, for which world files have no key.
-Chipmunk multiplies the coefficients of two bodies that touch."""
-
 
 @dataclass(frozen=True)
 class Solid:
@@ -39,14 +35,15 @@ class Solid:
 
     vertices (k, 2) counter-clockwise in the world; color 0xRRGGBB; height in metres. Pieces of
     one thing (all blocks of a map) share `group`, so that a robot that slides from block to
-    block touches one wall once. circle: x, y and radius in metres of what is round; its vertices
+    block touches one wall once. Chipmunk multiplies the coefficients of friction of two bodies
+    that touch. circle: x, y and radius in metres of what is round; its vertices
     are those of a polygon of the same area, for pictures and placement.
     """
 
     vertices: Floats
     color: int
     height: float
-    friction: float = WALL_FRICTION
+    friction: float
     group: int = 0
     circle: tuple[float, float, float] | None = None
 
@@ -167,14 +164,14 @@ def build_layout(world: World, folder: Path) -> Layout:
         if wall.shape == "region" and region is not None:
             ring = region
         for vertices in walls_outside(ring, wall.thickness):
-            solids.append(Solid(vertices, wall.color, wall.height, group=group))
+            solids.append(Solid(vertices, wall.color, wall.height, wall.friction, group))
             group += 1
         faces.add(inner_faces(ring, wall.thickness), wall.color, wall.height)
-        insides.append(Solid(ring[::-1], wall.color, wall.height))
+        insides.append(Solid(ring[::-1], wall.color, wall.height, wall.friction))
     if raster is not None and world.map is not None:
-        color, height = world.map.color, world.map.height
+        color, height, friction = world.map.color, world.map.height, world.map.friction
         blocks = [
-            Solid(rectangle(*edges), color, height, group=group)
+            Solid(rectangle(*edges), color, height, friction, group)
             for edges in rectangles_in_world(raster)
         ]
         solids += blocks

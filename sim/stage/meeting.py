@@ -20,25 +20,27 @@ attach and detach them costs more than to keep them for a while."""
 @compiled
 def look_around(
     state: Any, movers: Any, count: int, order: Any, cells: Any, cell: float, interval: float
-) -> int:
+) -> tuple[int, float]:
     """Count for each mover the ticks since it last could meet anything (`calm`, 0 for now).
 
-    Bodies are taken for their circles, at the highest speed that their drives allow, or that
-    they have. Returns how many robots must get or lose their joints.
+    Bodies are taken for their circles, and each for as fast as the fastest may be: who is pushed
+    goes as fast as who pushes. Returns how many robots must get or lose their joints, and that
+    speed in m/s: should anything go faster, look again.
     """
     sort_by_x(order, state, movers, count)
-    widest = 0.0
+    fastest, widest = 0.0, 0.0
     for i in range(count):
         mover = movers[i]
         body = state[mover.row]
         mover.calm += 1
         speed = max(mover.max_speed if mover.driven else 0.0, math.hypot(body[3], body[4]))
-        widest = max(widest, mover.reach + speed * interval)
+        fastest, widest = max(fastest, speed), max(widest, mover.reach)
+    way = fastest * interval
+    widest += way
     for i in range(count):
         mover = movers[order[i]]
         body = state[mover.row]
-        speed = max(mover.max_speed if mover.driven else 0.0, math.hypot(body[3], body[4]))
-        wide = mover.reach + speed * interval
+        wide = mover.reach + (0.0 if mover.standing else way)
         if not mover.standing and clear_of(cells, cell, body[0], body[1]) <= wide:
             mover.calm = 0
         for j in range(i + 1, count):
@@ -48,8 +50,7 @@ def look_around(
                 break
             if mover.standing and other.standing:
                 continue
-            speed = max(other.max_speed if other.driven else 0.0, math.hypot(there[3], there[4]))
-            least = wide + other.reach + speed * interval
+            least = wide + other.reach + (0.0 if other.standing else way)
             if math.hypot(there[0] - body[0], there[1] - body[1]) <= least:
                 mover.calm = 0
                 other.calm = 0
@@ -60,4 +61,4 @@ def look_around(
             (mover.calm == 0 and mover.control < 0) or (mover.calm >= CALM and mover.control >= 0)
         ):
             changes += 1
-    return changes
+    return changes, fastest

@@ -12,13 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from sim.stage import bodies
 from sim.stage.batch import BodyTable, ContactTable
 from sim.stage.contacts import Touches
-from sim.stage.geometry import Floats, outline, reach
+from sim.stage.geometry import Floats, least_width, outline, reach
 from sim.stage.layout import Layout
 from sim.stage.records import mover
 from sim.stage.trace import Trace
-
-ITERATIONS = 15
-"""Rounds of the solver where bodies may meet; one does where none can."""
 
 
 class Physics:
@@ -63,7 +60,12 @@ class Physics:
         self._names.append(body.id)
         self._leader_names.append(0)
         record = mover(
-            schema, drive, moment=body.moment, reach=reach(schema), shape=self._shape(schema)
+            schema,
+            drive,
+            moment=body.moment,
+            reach=reach(schema),
+            girth=schema.radius if schema.shape == "circle" else least_width(outline(schema)) / 2,
+            shape=self._shape(schema),
         )
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
@@ -135,17 +137,16 @@ class Physics:
         touches.rename(names_of_all[rank], things[rank])
 
     def step(
-        self, piece: float, cuts: int, touches: Touches | None, trace: Trace | None = None
+        self, piece: float, cuts: int, rounds: int, touches: Touches | None, trace: Trace | None
     ) -> None:
         """Write the table's orders, make `cuts` steps of `piece` seconds, and read the table.
 
-        touches: gathers what touches; None where nothing can. trace: notes where bodies are after
-        each piece.
+        rounds: how many the solver makes in each. touches: gathers what touches; None where
+        nothing can. trace: notes where bodies are after each piece.
         """
         self.table.write()
-        iterations = 1 if touches is None else ITERATIONS
-        if self._space.iterations != iterations:
-            self._space.iterations = iterations
+        if self._space.iterations != rounds:
+            self._space.iterations = rounds
         for _ in range(cuts):
             self._space.step(piece)
             if touches is not None:

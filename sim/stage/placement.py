@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.stage.geometry import Floats, outline, placed
+from sim.stage.geometry import Floats, least_width, outline, placed
 from sim.stage.layout import Layout
 from sim.stage.room import ROUNDING, Room
 from sim.worldfile.mistakes import Mistake, WorldError
@@ -98,7 +98,7 @@ def _attempts(
         close = _lattice(room, robots[0], shape, margin, None)
         yield lambda index: close
         return
-    narrowest = _least_width(shape)
+    narrowest = least_width(shape)
     if robots[0].headings is not None:
         turned = [placed(shape, (0.0, 0.0, yaw))[:, 0] for yaw in robots[0].headings]
         narrowest = min(float(np.ptp(x)) for x in turned)
@@ -136,13 +136,6 @@ def _scattered(
             yield pose
 
     return poses
-
-
-def _least_width(shape: Floats) -> float:
-    """The width of a convex outline (k, 2) across the direction in which it is narrowest."""
-    edges = np.roll(shape, -1, axis=0) - shape
-    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
-    return float(np.ptp(shape @ normals.T, axis=0).min())
 
 
 def _fill(

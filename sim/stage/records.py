@@ -30,6 +30,8 @@ MOVER = np.dtype(
         ("max_torque", np.float64),  # N m
         ("shape", np.int32),  # its number among the outlines
         ("reach", np.float64),  # m, radius of the circle about the origin that holds the body
+        ("girth", np.float64),  # m, half of its width where it is narrowest
+        ("strength", np.float64),  # N, at most, with which its drive can press on something
         ("lever", np.float64),  # m, how far from the origin turning moves the outline; 0: circle
         # where it is in the tables
         ("row", np.int32),  # of its body
@@ -69,15 +71,15 @@ MOVER = np.dtype(
 )
 
 
-def mover(body: Any, drive: Any, *, moment: float, reach: float, shape: int) -> Any:
+def mover(body: Any, drive: Any, *, moment: float, reach: float, girth: float, shape: int) -> Any:
     """A record for a body and a drive (or None) of the schema, at rest at no place yet.
 
     moment: moment of inertia in kg m2. reach: radius of the circle about its origin in metres.
-    shape: the number of its outline.
+    girth: half of its least width in metres. shape: the number of its outline.
     """
     record = np.zeros(1, dtype=MOVER)[0]
     record["mass"], record["moment"] = body.mass, moment
-    record["reach"] = reach
+    record["reach"], record["girth"] = reach, girth
     record["lever"] = 0.0 if body.shape == "circle" else reach
     record["shape"] = shape
     record["control"] = -1
@@ -91,6 +93,8 @@ def mover(body: Any, drive: Any, *, moment: float, reach: float, shape: int) -> 
         record["max_acceleration"] = drive.max_acceleration
         record["max_turn_acceleration"] = math.radians(drive.max_turn_acceleration)
         record["max_force"], record["max_torque"] = drive.max_force, drive.max_torque
+        # A turning body presses with its torque over the arm; the shortest counts.
+        record["strength"] = max(drive.max_force, drive.max_torque / girth)
         if drive.kind == "car":
             record["max_curvature"] = math.tan(math.radians(drive.max_steering)) / drive.wheelbase
     return record

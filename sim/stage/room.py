@@ -15,11 +15,11 @@ ROUNDING = 1e-7
 class Room:
     """Convex outlines that stand in a layout, with their bounds in arrays for a quick look.
 
-    Solids and movable obstacles are there from the start, and doors' cells unless told
+    Solids are there from the start, and movable obstacles and doors' cells unless told
     otherwise; robots are added with `occupy`. low, high (2,): the bounds of where robots may be.
     """
 
-    def __init__(self, layout: Layout, *, doors: bool = True) -> None:
+    def __init__(self, layout: Layout, *, doors: bool = True, movable: bool = True) -> None:
         self._outer = layout.arena
         self._arena = layout.arena if layout.region is None else layout.region
         self._slanted = layout.region is not None
@@ -31,7 +31,7 @@ class Room:
         standing = {solid.vertices.tobytes() for solid in layout.solids}
         for solid in layout.solids:
             self.occupy(solid.vertices, 0.0)
-        for vertices in layout.obstacles:
+        for vertices in layout.obstacles if movable else ():
             if vertices.tobytes() not in standing:
                 self.occupy(vertices, 0.0)
         for door in layout.doors if doors else ():

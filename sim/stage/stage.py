@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,11 +17,15 @@ from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
 from sim.stage.meeting import CALM, look_around
 from sim.stage.physics import Physics, pose_of
+from sim.stage.putting import Places
 from sim.stage.records import CAR, MOVER
 from sim.stage.trace import NO_WAYS, NOBODY, Trace
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
+
+ROUNDING = 1e-6
+"""Share by which a speed in doubles may seem to pass a limit that it keeps."""
 
 
 class Stage:
@@ -88,15 +93,49 @@ class Stage:
     def set_pose(self, robot: int, pose: ArrayLike) -> None:
         """Lift a robot and put it down, at rest, at a pose (x, y, yaw); its commands stay.
 
-        The way there does not count as gone. It may be put where it overlaps something: then
-        they are pushed apart, gently.
+        The way there does not count as gone. Raises ValueError where the robot would be outside of
+        the world, or in a wall, an obstacle or another robot.
         """
-        at = pose_of(pose)
-        record = self._record(robot)
-        self._physics.put(self._movables + robot, at)
-        record["x"], record["y"] = at[0], at[1]
-        self._rest(record)
-        self._show(robot, at)
+        if self.set_poses({robot: pose}):
+            raise ValueError(f"robot {self.names[robot]} has no room at {pose_of(pose)}")
+
+    def set_poses(self, poses: Mapping[int, ArrayLike]) -> list[int]:
+        """Lift robots all at once and put them down at their poses, as `set_pose` does.
+
+        Those for whom there is no room, in the order of the mapping, stay where they are and are
+        in the way of others. Returns their numbers.
+        """
+        goals = {}
+        for robot, pose in poses.items():
+            self._record(robot)
+            goals[robot] = pose_of(pose)
+        found = self._places.fitting(goals, *self._moving())
+        for robot, at in found.items():
+            record = self._record(robot)
+            self._physics.put(self._movables + robot, at)
+            record["x"], record["y"] = at[0], at[1]
+            self._rest(record)
+            self._show(robot, at)
+        return [robot for robot in goals if robot not in found]
+
+    def fits(self, robot: int, pose: ArrayLike, moved: Mapping[int, ArrayLike] = {}) -> bool:
+        """Whether a robot could be put at a pose, once the robots `moved` are at theirs."""
+        bodies, poses = self._moving()
+        for other, at in moved.items():
+            poses[other] = pose_of(at)
+        others = np.arange(len(bodies)) != robot
+        rest = [body for body, other in zip(bodies, others, strict=True) if other]
+        return self._places.free(bodies[robot], pose_of(pose), rest, poses[others])
+
+    def _moving(self) -> tuple[list[Any], Floats]:
+        """The bodies of the robots, then of the movable obstacles, and a copy of their poses."""
+        bodies: list[Any] = [self.models[name].body for name in self.model_names]
+        bodies += [movable.body for movable in self.layout.movables]
+        return bodies, np.concatenate([self.poses, self.movable_poses])
+
+    @cached_property
+    def _places(self) -> Places:
+        return Places(self.layout)
 
     def _rest(self, record: Any) -> None:
         record["wanted_x"], record["wanted_y"], record["wanted_turn"] = 0.0, 0.0, 0.0
@@ -117,7 +156,8 @@ class Stage:
 
         Metres and radians per second in the robot's frame, cut to the drive's limits: an
         omnidirectional drive to max_speed in any direction; a differential drive ignores vy; a
-        car drives the circle of radius vx / wz, or the narrowest that it can steer.
+        car drives the circle of radius vx / wz, or the narrowest that it can steer, and a wider
+        one where it would turn faster than max_turn_rate.
         """
         which = np.ascontiguousarray(robots, dtype=np.int64).reshape(-1)
         wanted = np.ascontiguousarray(twists, dtype=np.float64).reshape(-1, 3)
@@ -128,7 +168,8 @@ class Stage:
         """Set a car's speed (m/s) and the angle of its front wheels (rad), cut to its limits.
 
         The origin of a car's body is the middle of its rear axle: it drives a circle of radius
-        wheelbase / tan(steering). Raises ValueError for other drives.
+        wheelbase / tan(steering), or a wider one where that would turn it faster than its
+        max_turn_rate. Raises ValueError for other drives.
         """
         record = self._record(robot)
         model = self.models[self.model_names[robot]].drive
@@ -182,23 +223,25 @@ class Stage:
         movers, order, dt = self._movers, self._order, self._dt
         if self._changed:
             self._index()
-        if look_around(
-            physics.table.state, movers, count, order, clear.cells, clear.cell, self._interval
-        ):
-            self._attach()
-        trace = (
-            Trace(physics.table, movers["row"][self._movables + traced]) if len(traced) else None
-        )
+        fastest = self._look_around()
+        trace = Trace(physics.table, movers, self._movables + traced) if len(traced) else None
         for _ in range(self._steps):
             state = physics.table.state
             drive.want(state, movers, count, dt)
-            cuts = pieces(
+            cuts, rounds, quickest = pieces(
                 state, movers, count, order, clear.cells, clear.cell, physics.outlines,
                 physics.sides, dt,
             )  # fmt: skip
+            if quickest > fastest * (1.0 + ROUNDING):  # thrown by something that turns
+                fastest = self._look_around()
+                state = physics.table.state
+                cuts, rounds, _ = pieces(
+                    state, movers, count, order, clear.cells, clear.cell, physics.outlines,
+                    physics.sides, dt,
+                )  # fmt: skip
             piece = dt / max(1, cuts)
             drive.lead(state, physics.table.orders, movers, count, dt, piece)
-            physics.step(piece, max(1, cuts), self._touches if cuts else None, trace)
+            physics.step(piece, max(1, cuts), rounds, self._touches if cuts else None, trace)
             drive.account(state, movers, count, dt)
         drive.report(
             physics.table.state, movers, self._movables, count, self._interval, self._poses,
@@ -206,6 +249,17 @@ class Stage:
         )  # fmt: skip
         self._touches.finish(self._contact_counts)
         return NO_WAYS if trace is None else trace.ways()
+
+    def _look_around(self) -> float:
+        """Give joints to those who may meet something in a tick; no body may be faster (m/s)."""
+        clear, count = self._clearance, self._movables + self._count
+        changes, fastest = look_around(
+            self._physics.table.state, self._movers, count, self._order, clear.cells, clear.cell,
+            self._interval,
+        )  # fmt: skip
+        if changes:
+            self._attach()
+        return float(fastest)
 
     def _attach(self) -> None:
         """Give joints to robots that may meet something, and take them from those far off."""

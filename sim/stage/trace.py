@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,16 +16,19 @@ NO_WAYS: Floats = np.zeros((0, 1, 3))
 
 
 class Trace:
-    """Notes the poses of the bodies in `rows` (k,) of a table: at first, and at each `note`."""
+    """Notes the poses of some movers, by their numbers (k,): at first, and at each `note`.
 
-    def __init__(self, table: BodyTable, rows: NDArray[np.int64]) -> None:
-        self._table, self._rows = table, rows
+    Their rows in the table may change within a tick, when bodies get or lose their joints.
+    """
+
+    def __init__(self, table: BodyTable, movers: NDArray[Any], numbers: NDArray[np.int64]) -> None:
+        self._table, self._movers, self._numbers = table, movers, numbers
         self._poses: list[Floats] = []
         self.note()
 
     def note(self) -> None:
         """Note the poses that the table has now."""
-        self._poses.append(self._table.state[self._rows, :3])
+        self._poses.append(self._table.state[self._movers["row"][self._numbers], :3])
 
     def ways(self) -> Floats:
         """(k, m, 3) x, y, yaw of each body at each note; yaw as Chipmunk counts it, unwrapped."""

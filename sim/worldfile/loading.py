@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sim.worldfile import nodes
 from sim.worldfile.crowds import crowd_mistakes
-from sim.worldfile.extents import period_mistakes, port_mistakes, size_mistakes
+from sim.worldfile.extents import period_mistakes, physics_mistakes, port_mistakes, size_mistakes
 from sim.worldfile.files import FileSet, folder_of, rebased
 from sim.worldfile.mistakes import Mistake, WorldError
 from sim.worldfile.nodes import MappingNode
@@ -105,7 +105,7 @@ def _checked(
     mistakes += name_mistakes(robots, doors)
     mistakes += port_mistakes(world, len(robots))
     if not found.lost("clock"):
-        late = period_mistakes(world)
+        late = period_mistakes(world) + physics_mistakes(world)
         mistakes += [replace(one, where=_in_list(found, one.where)) for one in late]
     if found.lost("map"):
         return None, mistakes

@@ -103,6 +103,9 @@ class Boundary(Part):
     color: Color = Field(default=RED, description="X11 name or #rrggbb")
     thickness: Positive = Field(default=0.2, description="m")
     height: Positive = Field(default=1.0, description="m; what a camera sees")
+    friction: NonNegative = Field(
+        default=0.5, description="Coulomb's coefficient where bodies touch it"
+    )
     shape: Literal["size", "region"] = Field(
         default="size",
         description="whether they stand around `size` or along the edges of `region`",
@@ -125,6 +128,9 @@ class Map(Part):
     cell: Positive | None = Field(default=None, description="m per character of a text")
     color: Color = Field(default=RED, description="X11 name or #rrggbb")
     height: Positive = Field(default=1.0, description="m; what a camera sees")
+    friction: NonNegative = Field(
+        default=0.5, description="Coulomb's coefficient where bodies touch it"
+    )
 
     @model_validator(mode="after")
     def _one_scale(self) -> Self:

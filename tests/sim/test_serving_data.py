@@ -425,6 +425,37 @@ def test_reset_puts_everybody_back_where_they_started(run: Serving) -> None:
         assert run.pose(1) == pytest.approx(TWO)
 
 
+def put(client: RawClient, name: str, *pose: float) -> int:
+    """The type of the answer to a request to put a robot somewhere."""
+    return client.request(SIMULATION, 0, 2, text(name) + struct.pack(">3d", *pose)).type
+
+
+def test_two_robots_swap_by_way_of_a_third_place_before_one_tick(run: Serving) -> None:
+    with client_of(run) as client:
+        client.round()
+        assert put(client, "one", *TWO) == NACK
+        assert put(client, "one", 8.0, 2.0, 0.0) == ACK
+        assert put(client, "two", *ONE) == ACK
+        assert put(client, "one", *TWO) == ACK
+        client.round()
+        assert run.pose(0) == pytest.approx(TWO)
+        assert run.pose(1) == pytest.approx(ONE)
+        # where it stands is free for who stands there
+        assert put(client, "one", TWO[0], TWO[1], 1.0) == ACK
+
+
+def test_a_reset_leaves_those_on_whose_start_something_stands(run: Serving) -> None:
+    with client_of(run) as client:
+        client.round()
+        put(client, "two", 8.0, 2.0, 0.0)
+        client.round()
+        run.engine.context.records[1].start = run.engine.context.records[0].start
+        client.command(SIMULATION, 0, 2)
+        client.round()
+        assert run.pose(0) == pytest.approx(ONE)
+        assert run.pose(1) == pytest.approx((8.0, 2.0, 0.0))
+
+
 def test_a_pause_stops_the_clock_until_it_is_lifted(run: Serving) -> None:
     with client_of(run) as client, RawClient(run.port("one")) as tool:
         client.round()

@@ -114,6 +114,53 @@ def test_a_heavy_box_is_not_moved() -> None:
     assert stage.stalls[0]
 
 
+@pytest.mark.parametrize("speed", [0.5, 3.0])
+@pytest.mark.parametrize(("heavy", "light"), [(100.0, 10.0), (1000.0, 10.0), (10.0, 0.01)])
+@pytest.mark.parametrize(("shape", "yaw"), [("box", 0.0), ("circle", 0.0), ("polygon", 0.4)])
+def test_a_light_robot_between_a_heavy_one_and_a_wall_is_not_squashed(
+    heavy: float, light: float, shape: str, yaw: float, speed: float
+) -> None:
+    """Each with the force for 100 m/s2; two light ones, the outer on the wall."""
+    models = {
+        name: robot(
+            shape if name == "light" else "box",
+            {"max_force": 100.0 * mass, "max_torque": 20.0 * mass, "max_speed": speed},
+            mass=mass,
+        )
+        for name, mass in (("heavy", heavy), ("light", light))
+    }
+    _, stage = set_up(models=models)
+    for number, x in enumerate([9.7, 9.1]):
+        stage.add_robot(str(number), "light", (x, 5.0, yaw))
+    stage.add_robot("h", "heavy", (8.2, 5.0, 0.0))
+    stage.command([2], [[speed, 0.0, 0.0]])
+    bodies = [stage.models[name].body for name in ("light", "light", "heavy")]
+    assert run(stage, bodies, 30) <= DEEPEST
+    # What is pinched between slanted faces may slip out faster than it is pressed.
+    assert np.hypot(*stage.velocities[:, :2].T).max() <= 3.0 * speed
+
+
+def test_a_crowd_of_very_unequal_masses_does_not_overlap() -> None:
+    rng = np.random.default_rng(6)
+    masses = [10.0, 10_000.0, *(10.0 * 1000.0 ** rng.uniform(0, 1, 2))]
+    models = {
+        f"m{k}": robot(
+            SHAPES[int(rng.integers(3))],
+            {"max_force": 100.0 * mass, "max_torque": 30.0 * mass, "max_speed": 2.0},
+            mass=mass,
+        )
+        for k, mass in enumerate(masses)
+    }
+    _, stage = set_up(size=(4.0, 4.0), models=models)
+    for k in range(9):
+        place = (np.array([k % 3, k // 3]) + 0.5) * 4.0 / 3.0
+        stage.add_robot(str(k), f"m{k % 4}", (*place, rng.uniform(-3, 3)))
+    bodies = [stage.models[f"m{k % 4}"].body for k in range(9)]
+    for _ in range(4):
+        stage.command(np.arange(9), rng.uniform([-2, -2, -3], [2, 2, 3], (9, 3)))
+        assert run(stage, bodies, 10) <= DEEPEST
+
+
 @pytest.mark.parametrize("kind", ["differential", "omnidirectional"])
 def test_ten_robots_cannot_push_another_through_a_wall(kind: str) -> None:
     drive = {"kind": kind, "max_force": 400.0, "max_speed": 1.0}
@@ -175,6 +222,37 @@ def test_a_fast_robot_does_not_tunnel_through_a_thin_wall() -> None:
     assert stage.poses[0, 0] < 6.0
 
 
+@settings(max_examples=30, deadline=None)
+@given(
+    step=st.floats(0.01, 2.0),
+    speed=st.floats(0.5, 10.0),
+    radius=st.floats(0.005, 0.3),
+    thickness=st.floats(0.001, 0.2),
+    yaw=st.floats(-1.0, 1.0),
+)
+def test_nothing_passes_a_wall_at_any_clock(
+    step: float, speed: float, radius: float, thickness: float, yaw: float
+) -> None:
+    """One is driven at the wall, and pushes another before it, which slides on the floor."""
+    wall = {"shape": "box", "size": (thickness, 300.0), "pose": (5.0, 5.0, 0)}
+    ball = {"shape": "circle", "radius": radius, "pose": (3.5, 5.5, 0), "movable": True}
+    drive = {"max_speed": speed, "max_acceleration": 50.0, "max_force": 1000.0}
+    _, stage = set_up(
+        size=(200.0, 200.0),
+        boundary=None,
+        clock={"interval": step, "physics_step": step},
+        obstacles=[wall, ball],
+        models={"a": robot("circle", drive, radius=radius)},
+    )
+    stage.add_robot("r", "a", (2.0, 5.0, yaw))
+    stage.add_robot("s", "a", (2.0, 5.5, 0.0))
+    stage.command([0, 1], [[speed, 0.0, 0.0]] * 2)
+    for _ in range(min(100, math.ceil(12.0 / speed / step) + 3)):
+        stage.tick()
+    assert stage.poses[:, 0].max() < 5.0
+    assert stage.movable_poses[:, 0].max() < 5.0
+
+
 @pytest.mark.parametrize(
     ("yaw", "force", "moves"),
     [(0.0, 60.0, False), (1.57, 60.0, False), (0.0, 150.0, True), (1.57, 150.0, True)],
@@ -202,6 +280,38 @@ def test_a_wall_at_an_angle_lets_a_robot_slide_along() -> None:
         stage.tick()
     assert stage.poses[0, 0] > 5.5
     assert stage.poses[0, 1] < 9.75 + DEEPEST
+
+
+@pytest.mark.parametrize("against", ["boundary", "map", "obstacle", "robot"])
+@pytest.mark.parametrize(
+    ("own", "other", "slides"), [(2.0, 0.3, True), (2.0, 0.6, False), (4.0, 0.3, False)]
+)
+def test_the_friction_of_two_bodies_is_the_product_of_their_coefficients(
+    tmp_path: Any, against: str, own: float, other: float, slides: bool
+) -> None:
+    """At 45 degrees a robot presses as hard as it drags: it slides if the product is below 1."""
+    (tmp_path / "room.txt").write_text("\n".join(["#" * 10, *["#........#"] * 8, "#" * 10]))
+    models = {
+        "a": robot(drive={"kind": "omnidirectional", "max_torque": 1000.0}, friction=own),
+        "b": robot(drive={"max_force": 1e4, "max_torque": 1e4}, size=(8.0, 1.0), friction=other),
+    }
+    top = {"boundary": 10.0, "map": 9.0, "obstacle": 8.0, "robot": 8.0}[against]
+    box = {"shape": "box", "size": (8.0, 1.0), "pose": (5.0, 8.5, 0), "friction": other}
+    made = world(
+        boundary={"friction": other if against == "boundary" else 7.0},
+        map={"file": "room.txt", "cell": 1.0, "friction": other} if against == "map" else None,
+        obstacles=[box] if against == "obstacle" else [],
+        models=models,
+    )
+    stage = Stage(build_layout(made, tmp_path), made.models, made.clock)
+    stage.add_robot("r", "a", (2.0, top - 0.2, 0.0))
+    if against == "robot":
+        stage.add_robot("s", "b", (5.0, 8.5, 0.0))
+        stage.settle(1)
+    stage.command([0], [[0.3, 0.3, 0.0]])
+    for _ in range(40):
+        stage.tick()
+    assert (stage.poses[0, 0] > 2.2) == slides
 
 
 def test_only_what_begins_to_touch_counts() -> None:
@@ -292,11 +402,10 @@ def test_touching_stretches_lie_on_the_robots_own_outlines() -> None:
     assert 0.1 < lengths[robots == 0].max() <= 0.4  # a flat side on a flat one
 
 
-def test_robots_that_overlap_when_put_down_are_parted() -> None:
+def test_robots_that_overlap_when_they_come_are_parted() -> None:
     _, stage = set_up(models={"a": robot()})
     stage.add_robot("a", "a", (5, 5, 0))
-    stage.add_robot("b", "a", (3, 3, 0))
-    stage.set_pose(1, (5.3, 5.1, 0.2))
+    stage.add_robot("b", "a", (5.3, 5.1, 0.2))
     for _ in range(30):
         stage.tick()
     assert deepest(stage, [stage.models["a"].body] * 2) <= DEEPEST

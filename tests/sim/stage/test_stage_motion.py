@@ -118,6 +118,65 @@ def test_a_car_cannot_turn_tighter_than_its_steering() -> None:
     assert stage.velocities[0] == pytest.approx([0, 0, 0], abs=1e-9)  # no turning on the spot
 
 
+FORCES = {"max_force": 1e6, "max_torque": 1e6}
+
+
+def test_a_car_that_would_turn_faster_than_it_may_drives_a_wider_circle() -> None:
+    limits = {"max_speed": 2.0, "wheelbase": 0.3, "max_turn_rate": 90.0}
+    stage = one(robot(drive={**CAR, **FORCES, **limits}))
+    for steering in (30.0, -30.0):
+        stage.command_car(0, 2.0, math.radians(steering))
+        go(stage, 30)
+        turn = math.copysign(math.pi / 2, steering)
+        assert stage.velocities[0] == pytest.approx([2.0, 0.0, turn], abs=1e-6)
+    stage.command([0], [[2.0, 0.0, 3.5]])
+    go(stage, 30)
+    assert stage.velocities[0] == pytest.approx([2.0, 0.0, math.pi / 2], abs=1e-6)
+
+
+COMMANDS = st.lists(st.tuples(*[st.floats(-4.0, 4.0)] * 3), min_size=1, max_size=5)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    kind=st.sampled_from(["differential", "omnidirectional", "car"]),
+    limits=st.tuples(
+        st.floats(0.1, 3.0), st.floats(5.0, 400.0), st.floats(0.2, 5.0), st.floats(5.0, 800.0)
+    ),
+    commands=COMMANDS,
+    steered=st.booleans(),
+)
+def test_no_drive_exceeds_any_of_its_limits(
+    kind: str,
+    limits: tuple[float, float, float, float],
+    commands: list[tuple[float, float, float]],
+    steered: bool,
+) -> None:
+    """From every tick to the next; 1e-6 is the rounding of a hundred steps of physics."""
+    axles = {"wheelbase": 0.3, "max_steering": 40.0} if kind == "car" else {}
+    names = ("max_speed", "max_turn_rate", "max_acceleration", "max_turn_acceleration")
+    drive = {"kind": kind, **dict(zip(names, limits, strict=True)), **axles, **FORCES}
+    stage = one(robot(drive=drive))
+    speed, turn = limits[0], math.radians(limits[1])
+    gain, turn_gain = limits[2], math.radians(limits[3])
+    before = np.zeros(3)
+    for command in [*commands, (0.0, 0.0, 0.0)]:
+        if kind == "car" and steered:
+            stage.command_car(0, command[0], command[2])
+        else:
+            stage.command([0], [command])
+        for _ in range(8):
+            stage.tick()
+            vx, vy, wz = stage.velocities[0]
+            assert math.hypot(vx, vy) <= speed + 1e-6
+            assert abs(wz) <= turn + 1e-6
+            assert math.hypot(vx - before[0], vy - before[1]) <= 0.1 * gain + 1e-6
+            assert abs(wz - before[2]) <= 0.1 * turn_gain + 1e-6
+            if kind == "car":
+                assert abs(wz) <= math.tan(math.radians(40.0)) / 0.3 * abs(vx) + 1e-6
+            before[:] = vx, vy, wz
+
+
 def test_only_a_car_is_steered_and_a_car_is_not_sent_to_poses() -> None:
     with pytest.raises(ValueError, match="no steering"):
         one(robot()).command_car(0, 0.5, 0.1)
@@ -260,3 +319,56 @@ def test_yaws_are_wrapped(turns: float) -> None:
         assert -math.pi < stage.poses[0, 2] <= math.pi
         assert math.remainder(stage.poses[0, 2] - turns, math.tau) == pytest.approx(0, abs=1e-12)
         stage.tick()
+
+
+BOX = {"shape": "box", "size": (1.0, 1.0), "pose": (5.0, 5.0, 0), "movable": False}
+
+
+def crowded() -> Stage:
+    """Two robots of 0.5 x 0.4 m, a box that stands and one that can be pushed."""
+    obstacles = [BOX, {**BOX, "pose": (8.0, 5.0, 0), "movable": True}]
+    _, stage = set_up(models={"a": robot()}, obstacles=obstacles)
+    stage.add_robot("a", "a", (2.0, 2.0, 0.0))
+    stage.add_robot("b", "a", (4.0, 2.0, 0.0))
+    return stage
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [(5, 5, 0), (4.3, 5, 0), (8.7, 5, 0), (4.0, 2.0, 0), (0.2, 5, 0), (11, 5, 0), (-1, 1, 0)],
+)
+def test_no_robot_is_put_into_anything(pose: tuple[float, float, float]) -> None:
+    stage = crowded()
+    with pytest.raises(ValueError, match="robot a has no room"):
+        stage.set_pose(0, pose)
+    assert stage.poses[0] == pytest.approx([2, 2, 0])
+
+
+def test_a_robot_that_rests_on_something_may_be_put_where_it_is() -> None:
+    stage = crowded()
+    stage.set_pose(0, (4.2, 5.0, 0.0))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    go(stage, 20)
+    assert stage.stalls[0]
+    stage.set_pose(0, stage.poses[0])
+
+
+def test_a_place_that_something_was_pushed_away_from_is_free() -> None:
+    stage = crowded()
+    stage.set_pose(0, (7.0, 5.0, 0.0))
+    stage.command([0], [[0.5, 0.0, 0.0]])
+    go(stage, 40)
+    assert stage.movable_poses[0, 0] > 8.5
+    stage.set_pose(1, (7.0, 3.0, 0.0))
+    stage.set_pose(0, (2.0, 2.0, 0.0))
+    stage.set_pose(1, (7.6, 5.0, 0.0))
+
+
+def test_robots_are_put_down_together_and_who_has_no_room_stays_in_the_way() -> None:
+    stage = crowded()
+    assert stage.set_poses({0: (4.0, 2.0, 0.0), 1: (2.0, 2.0, 0.0)}) == []  # a swap
+    assert stage.poses[:, 0] == pytest.approx([4.0, 2.0])
+    # the first has no room in the box, stays, and so the second cannot take its place
+    assert stage.set_poses({0: (5.0, 5.0, 0.0), 1: (4.0, 2.0, 0.0)}) == [0, 1]
+    assert stage.set_poses({0: (6.0, 8.0, 0.0), 1: (6.0, 8.0, 0.0)}) == [1]
+    assert stage.poses[:, 0] == pytest.approx([6.0, 2.0])

@@ -1,0 +1,71 @@
+"""Where robots may be put by hand: in the world, and in nothing that is there already."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sim.stage.geometry import Floats, outline, placed, reach, separation
+from sim.stage.layout import Layout
+from sim.stage.limits import SLOP
+from sim.stage.room import Room
+
+Pose = tuple[float, float, float]
+
+
+class Places:
+    """What stands in a layout, and whether bodies that move overlap it or each other.
+
+    To touch is allowed, as deep as bodies that rest on each other lie (SLOP).
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._room = Room(layout, doors=False, movable=False)
+        self._outlines: dict[int, tuple[Floats, float]] = {}
+
+    def _shape(self, body: Any) -> tuple[Floats, float]:
+        """A body's outline in its own frame, and its reach in metres."""
+        return self._outlines.setdefault(id(body), (outline(body), reach(body)))
+
+    def free(self, body: Any, pose: Pose, others: Sequence[Any], poses: Floats) -> bool:
+        """Whether a body fits at a pose (x, y, yaw) among others at theirs, (n, 3)."""
+        own, span = self._shape(body)
+        vertices = placed(own, pose)
+        if not self._room.holds(np.array([pose[:2]])) or self._room.overlapped(vertices, SLOP):
+            return False
+        spans = np.array([self._shape(other)[1] for other in others])
+        apart = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
+        for near in np.nonzero(apart < span + spans)[0].tolist():
+            there = placed(self._shape(others[near])[0], poses[near])
+            if separation(vertices, there) < -SLOP:
+                return False
+        return True
+
+    def fitting(
+        self, goals: Mapping[int, Pose], bodies: Sequence[Any], poses: Floats
+    ) -> dict[int, Pose]:
+        """Those of the goals that bodies which are lifted all at once can be put down at.
+
+        goals: pose by the index of a body. bodies (n) with poses (n, 3): all that move. Who finds
+        no place stays, and then is in the way of the others.
+        """
+        staying: set[int] = set()
+        while True:
+            found: dict[int, Pose] = {}
+            now = poses.copy()
+            there = [k for k in range(len(bodies)) if k not in goals or k in staying]
+            for index in goals:
+                if index in staying:
+                    continue
+                if not self.free(
+                    bodies[index], goals[index], [bodies[k] for k in there], now[there]
+                ):
+                    staying.add(index)
+                    break
+                now[index] = goals[index]
+                found[index] = goals[index]
+                there.append(index)
+            else:
+                return found
