@@ -60,7 +60,7 @@ class Film:
     def each_tick(self, engine: Engine) -> None:
         """Draw a frame if one is due."""
         if self.recorder.wants(engine.time):
-            self.recorder.frame(self.view(engine))
+            self.recorder.frame(self.view(engine), going_on=lambda: not engine.crew.interrupted)
 
     def finish(self, engine: Engine | None) -> None:
         """The last frame shows how the run ended; then the file is completed."""
