@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,6 +31,9 @@ def run(
     video_fps: float | None = None,
     video_speed: float | None = None,
     video_size: tuple[int, int] | None = None,
+    video_show: Iterable[str] | None = None,
+    picture: str | Path | None = None,
+    at: float | None = None,
     say: Callable[[str], None] | None = None,
 ) -> Result:
     """Run a world and give its result, as `troupe run` does.
@@ -45,11 +48,15 @@ def run(
         patience: wall-clock seconds that a controller may keep the others waiting.
         video: an MP4 file to be made, with frames per second, simulated seconds per second of
             video, and width and height in pixels if they are to be other than the defaults.
+        video_show: what it shows besides bodies and paint: some of fans, names, trails, speech and
+            blobs (all but blobs unless given). It holds for the picture too, as does the size.
+        picture: a PNG or SVG file to be made of one moment: `at` so many simulated seconds, or at
+            the end of the run.
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
 
-    A video that could not be written to its end, for want of room say, is a RuntimeWarning: the
-    result is none the worse for it.
+    A video or picture that could not be written to its end, for want of room say, is a
+    RuntimeWarning: the result is none the worse for it.
 
     Raises:
         sim.worldfile.WorldError: the world file has mistakes; all of them are in it.
@@ -71,6 +78,9 @@ def run(
         video_fps=video_fps,
         video_speed=video_speed,
         video_size=video_size,
+        video_show=video_show,
+        picture=picture,
+        at=at,
         say=say or (lambda line: None),
     )
     if done.video_error is not None:

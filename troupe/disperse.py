@@ -78,7 +78,7 @@ def disperse(
 
     try:
         if picture is not None:
-            check_target(picture, ending=".png", what="picture")
+            check_target(picture, endings=(".png",), what="picture")
         if video_file is not None:
             check_target(video_file)
     except VideoError as error:

@@ -53,6 +53,22 @@ def run(
         str | None,
         typer.Option(metavar="WxH", help="Pixels. [default: the world's shape, 840 at the most]"),
     ] = None,
+    video_show: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LAYERS",
+            help="Some of fans,names,trails,speech,blobs, or none; for --picture too. "
+            "[default: all but blobs]",
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.png|.svg", help="Draw one moment, with axes in metres."),
+    ] = None,
+    at: Annotated[
+        float | None,
+        typer.Option(metavar="T", help="The picture's moment in simulated s. [default: the end]"),
+    ] = None,
     realtime: Annotated[
         float | None,
         typer.Option(
@@ -76,7 +92,7 @@ def run(
     try:
         code = run_and_print(
             world, seed, duration, set_ or [], as_json, quiet, video, video_fps, video_speed,
-            video_size, realtime, listen, patience,
+            video_size, video_show, picture, at, realtime, listen, patience,
         )  # fmt: skip
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -95,12 +111,16 @@ def run_and_print(
     video_fps: float | None,
     video_speed: float | None,
     video_size: str | None,
+    video_show: str | None,
+    picture: Path | None,
+    at: float | None,
     realtime: float | None,
     listen: str | None,
     patience: float,
 ) -> int:
     """The exit code of a run; mistakes are told on standard error."""
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.video.layers import parse_layers  # noqa: PLC0415
     from sim.video.projection import parse_size  # noqa: PLC0415
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
@@ -120,6 +140,9 @@ def run_and_print(
                 video_fps=video_fps,
                 video_speed=video_speed,
                 video_size=None if video_size is None else parse_size(video_size),
+                video_show=None if video_show is None else parse_layers(video_show),
+                picture=picture,
+                at=at,
                 say=screen.say,
                 each_tick=screen.progress,
             )
@@ -139,7 +162,8 @@ def run_and_print(
     else:
         from troupe.summary import summary  # noqa: PLC0415
 
-        print(summary(result, video if done.video_error is None else None))
+        made = (video, picture) if done.video_error is None else (None, None)
+        print(summary(result, *made))
     return result.exit_code or int(done.video_error is not None)
 
 

@@ -10,6 +10,7 @@ from typing import Self
 
 from sim.video.encode import open_encoder
 from sim.video.errors import VideoError
+from sim.video.layers import SHOWN, Layer
 from sim.video.picture import Picture
 from sim.video.target import check_target
 from sim.video.view import Backdrop, FrameView, Shape
@@ -41,18 +42,20 @@ class Recorder:
         fps: float = FPS,
         speed: float = SPEED,
         size: tuple[int, int] | None = None,
+        show: frozenset[Layer] = SHOWN,
     ) -> None:
         """Opens the file; raises VideoError for a path, rate, speed or size that cannot be."""
         if not (math.isfinite(fps) and 1 <= fps <= 240):
             raise VideoError(f"video fps {fps:g}: must be 1 to 240 frames a second")
         if not (math.isfinite(speed) and SLOWEST <= speed <= FASTEST):
-            raise VideoError(
-                f"video speed {speed:g}: must be {SLOWEST:g} to {FASTEST:g} simulated seconds a second"
-            )
+            allowed = f"{SLOWEST:g} to {FASTEST:g} simulated seconds a second"
+            raise VideoError(f"video speed {speed:g}: must be {allowed}")
         self.path = Path(path)
         self.fps = float(fps)
         self.speed = float(speed)
-        self.picture = Picture(backdrop, size, speech_time=SPEECH_SECONDS * speed)
+        self.picture = Picture(
+            backdrop, size, speech_time=SPEECH_SECONDS * speed, show=show, film_speed=self.speed
+        )
         target = check_target(self.path)
         width, height = self.picture.size
         encoder, self.notice = open_encoder(target, (width, height), self.fps, backdrop.title)

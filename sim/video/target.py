@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 
 from sim.video.errors import VideoError
 
 
-def check_target(path: Path | str, *, ending: str = ".mp4", what: str = "video") -> Path:
+def check_target(
+    path: Path | str, *, endings: Sequence[str] = (".mp4",), what: str = "video"
+) -> Path:
     """The path with links followed; raises VideoError where no video could be written there.
 
-    `ending` and `what` are others for a picture.
+    `endings` and `what` are others for a picture.
 
     An existing file is opened for appending, which changes nothing; one that was not there
     is made and removed again.
     """
     path = Path(path)
-    if path.suffix.lower() != ending:
+    if path.suffix.lower() not in endings:
         given = f"not in {path.suffix}" if path.suffix else "and this one has no ending"
-        raise VideoError(f"{path}: a {what}'s name must end in {ending}, {given}")
+        raise VideoError(f"{path}: a {what}'s name must end in {' or '.join(endings)}, {given}")
     try:
         target = path.resolve()
         if target.is_symlink():  # where links go round in a circle, Python from 3.13 on stops there
@@ -28,7 +31,7 @@ def check_target(path: Path | str, *, ending: str = ".mp4", what: str = "video")
         if not target.parent.is_dir():
             raise VideoError(f"{path}: there is no folder {target.parent}; make it first")
         if target.is_dir():
-            example = path / f"run{ending}"
+            example = path / f"run{endings[0]}"
             raise VideoError(f"{path}: is a folder; name a file in it, such as {example}")
         existed = target.exists()
         # Opening a pipe would wait for a reader, and a video is not written from end to end.

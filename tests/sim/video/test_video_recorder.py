@@ -37,7 +37,7 @@ def film(path: Path, backdrop: Backdrop, seconds: float = 20.0, **options: objec
         for tick in range(round(seconds * 10) + 1):
             time = tick * 0.1
             if recorder.wants(time):
-                recorder.frame(FrameView(time, drive(time), [GREEN, BLUE], 100.0, 0.25))
+                recorder.frame(FrameView(time, drive(time), [GREEN, BLUE], 0.25))
     return recorder
 
 
@@ -91,20 +91,21 @@ def test_robots_are_where_they_should_be_in_every_frame(arena: Backdrop, tmp_pat
     for index, image in enumerate(decoded(tmp_path / "run.mp4")):
         time = np.ceil(index * 4 - 1e-9) / 10  # 10 / 25 s of simulated time from frame to frame
         first, second = drive(time)[:, :2]
-        # Colours have half the resolution in H.264: 2 pixels of 1 / 18 m.
-        assert place_of(recorder, image, 1) == pytest.approx(first, abs=0.12)
-        assert place_of(recorder, image, 0) == pytest.approx(second, abs=0.12)
+        # Colours have half the resolution in H.264: 2 pixels of 1 / 18 m, and the tip of the arrow
+        # may hide one more.
+        assert place_of(recorder, image, 1) == pytest.approx(first, abs=0.17)
+        assert place_of(recorder, image, 0) == pytest.approx(second, abs=0.17)
         count += 1
     assert count == 51
 
 
 def test_colours_survive_the_encoding(arena: Backdrop, tmp_path: Path) -> None:
     recorder = film(tmp_path / "run.mp4", arena, 0.0, size=None)
-    drawn = recorder.picture.draw(FrameView(0.0, drive(0.0), [GREEN, BLUE], 100.0, 0.25))
+    drawn = recorder.picture.draw(FrameView(0.0, drive(0.0), [GREEN, BLUE], 0.25))
     shown = next(decoded(tmp_path / "run.mp4"))
     # Compression and halved colour resolution smear edges; inside of an area the colour stays
     # within 8 of 255, which is what limited range (219 steps) and quantisation leave.
-    for x, y in ((8.5, 10.5), (1.75, 4), (12, -0.1), (12.0, 2.8)):
+    for x, y in ((8.5, 10.5), (1.72, 4.28), (12, -0.1), (12.0, 2.8)):
         column, row = recorder.picture.projection.edges(np.array([x, y], float)).astype(int)
         assert shown[row, column].astype(int) == pytest.approx(drawn[row, column], abs=8)
 
