@@ -94,7 +94,7 @@ def test_quiet_says_nothing_but_the_result(tmp_path: Path) -> None:
         (["run", "wander", "--listen", "nowhere.invalid:0"], "nowhere.invalid"),
         (
             ["disperse", "--grid", "3x3", "--door", "1,1", "--picture", "x.foo"],
-            ".png, not in .foo",
+            ".png or .svg, not in .foo",
         ),
         (["disperse", "--grid", "3x3", "--door", "1,1", "--video", "a.avi"], ".mp4, not in .avi"),
         (["disperse", "nowhere.txt"], "nowhere.txt: No such file"),
