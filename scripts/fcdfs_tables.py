@@ -22,11 +22,11 @@ import numpy as np  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
 from gridworld import studies  # noqa: E402
-from gridworld.draw import Painter, write_picture  # noqa: E402
 from gridworld.generators import comb, ring  # noqa: E402
 from gridworld.grid import GridRun, simulate  # noqa: E402
 from gridworld.median import best_door, sums_of_distances  # noqa: E402
 from gridworld.regions import Region, rectangle  # noqa: E402
+from troupe.grid_film import picture_of, write_picture  # noqa: E402
 
 FAILURES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5)
 
@@ -45,7 +45,7 @@ def picture(folder: Path, name: str, region: Region, rule: str, steps: int, **mo
     run = GridRun(region, rule, **more)  # type: ignore[arg-type]
     run.advance(steps)
     pixels = max(4, 420 // max(region.columns + 2, region.rows + 2))
-    write_picture(folder / f"{name}.png", Painter(run, pixels).draw(run))
+    write_picture(folder / f"{name}.png", picture_of(run, rule, pixels), run)
     return f"![{name}, {rule}, step {run.steps}](fcdfs/{name}.png)\n"
 
 
@@ -361,9 +361,9 @@ def main() -> None:
 Written by `scripts/fcdfs_tables`. The paper: Amir and Bruckstein, "Minimizing Travel in the
 Uniform Dispersal Problem for Robotic Sensors", AAMAS 2019. Robot k enters at the end of step
 2k - 1; the makespan is the first step at whose end all V cells are occupied; entering and settling
-are no travel. Walls are blue, active robots arrows in their primary direction (dots before their
-first move), settled ones diamonds, the door has a red frame. How DFLF and BFLF are read is written
-with the rules, in `controllers/dispersal/rules.py`.
+are no travel. In the pictures active robots are arrows in their primary direction (dots before
+their first move), settled ones diamonds, and the door has a frame. How DFLF and BFLF are read is
+written with the rules, in `controllers/dispersal/rules.py`.
 
 """
         + table_1(folder, given.runs)

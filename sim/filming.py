@@ -1,21 +1,29 @@
-"""The video of a run: what the engine knows, put into frames when one is due."""
+"""The video and the picture of a run: what the engine knows, put into views when one is due."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sensors.readings import Scans
+from sensors.readings import Blobs, Scans
+from sim.stage.boundary import touchable
 from sim.stage.geometry import outline, placed
-from sim.video.view import MOST_SCANS, Backdrop, Drawing, FrameView, Scan
+from sim.video.layers import Layer, layers_of
+from sim.video.view import MOST_SCANS, Backdrop, Drawing, FrameView, Scan, Shape, Sighting
 
 if TYPE_CHECKING:
     from sim.engine import Engine
-    from sim.stage.layout import Layout
     from sim.video.recorder import Recorder
+    from sim.video.still import Still
     from sim.worldfile import LoadedWorld
+
+ENDED = frozenset({"finished", "failed", "hung", "lost"})
+"""States of a controller that drives nobody any more."""
 
 
 def open_recorder(
@@ -25,71 +33,131 @@ def open_recorder(
     fps: float | None = None,
     speed: float | None = None,
     size: tuple[int, int] | None = None,
+    show: Iterable[str] | None = None,
 ) -> Recorder:
-    """Open the video before the run starts; raises VideoError where that cannot be."""
-    from sim.video.recorder import FPS, SPEED, Recorder  # noqa: PLC0415 - loads OpenCV
+    """Open the video before the run starts; what is None is as the world has it.
 
-    backdrop = backdrop_of(loaded.layout, loaded.world.name or loaded.path.stem)
+    Raises VideoError where it cannot be.
+    """
+    from sim.video.recorder import Recorder  # noqa: PLC0415 - loads OpenCV
+
+    told = loaded.world.video
     return Recorder(
         path,
-        backdrop,
-        fps=FPS if fps is None else fps,
-        speed=SPEED if speed is None else speed,
-        size=size,
+        backdrop_of(loaded),
+        fps=told.fps if fps is None else fps,
+        speed=told.speed if speed is None else speed,
+        size=told.size if size is None else size,
+        show=shown(loaded, show),
     )
 
 
-def backdrop_of(layout: Layout, title: str) -> Backdrop:
-    """What never moves."""
+def open_still(
+    path: Path,
+    loaded: LoadedWorld,
+    *,
+    at: float | None = None,
+    size: tuple[int, int] | None = None,
+    show: Iterable[str] | None = None,
+) -> Still:
+    """Prepare the picture of one moment, or of the end; raises VideoError where it cannot be."""
+    from sim.video.still import Still  # noqa: PLC0415 - loads OpenCV
+
+    size = loaded.world.video.size if size is None else size
+    return Still(path, backdrop_of(loaded), at=at, size=size, show=shown(loaded, show))
+
+
+def shown(loaded: LoadedWorld, show: Iterable[str] | None) -> frozenset[Layer]:
+    """The layers to be shown: as told, else as the world has it."""
+    return layers_of(loaded.world.video.show if show is None else show)
+
+
+def backdrop_of(loaded: LoadedWorld) -> Backdrop:
+    """What never moves.
+
+    Of the boundary that which can be met: where a map has walls of its own along the edge, the
+    boundary behind them is not shown.
+    """
+    layout, world = loaded.layout, loaded.world
+    solids = [(solid.vertices, solid.color) for solid in layout.solids]
+    wall = world.boundary
+    if wall is not None and layout.raster is not None and wall.shape == "size":
+        count = len(layout.arena)
+        pieces = touchable(layout.raster, layout.size, wall.thickness)
+        solids = [(piece, wall.color) for piece in pieces] + solids[count:]
     return Backdrop(
         size=layout.size,
-        solids=[(solid.vertices, solid.color) for solid in layout.solids],
+        solids=solids,
         doors=[door.rectangle for door in layout.doors],
-        title=title,
+        title=world.name or loaded.path.stem,
     )
 
 
 class Film:
-    """Hands the recorder a view of the engine whenever a frame is due."""
+    """Hands a view of the engine to the video whenever a frame is due, and to the picture once."""
 
-    def __init__(self, recorder: Recorder) -> None:
+    def __init__(self, recorder: Recorder | None = None, still: Still | None = None) -> None:
         self.recorder = recorder
+        self.still = still
         self.robots = 0
-        self.movables: list[tuple[Any, int]] | None = None
+        self.movables: list[tuple[Shape, int]] | None = None
+
+    @property
+    def error(self) -> str | None:
+        """Why the video or the picture is not what it should be, None while all is well."""
+        errors = [each.error for each in (self.recorder, self.still) if each and each.error]
+        return "\n".join(errors) or None
 
     def each_tick(self, engine: Engine) -> None:
-        """Draw a frame if one is due."""
-        if self.recorder.wants(engine.time):
-            self.recorder.frame(self.view(engine))
+        """Draw what is due."""
+        video = self.recorder is not None and self.recorder.wants(engine.time)
+        still = self.still is not None and self.still.wants(engine.time)
+        if not (video or still):
+            return
+        view = self.view(engine)
+        if video and self.recorder is not None:
+            self.recorder.frame(view, going_on=lambda: not engine.crew.interrupted)
+        if still and self.still is not None:
+            self.still.take(view)
 
     def finish(self, engine: Engine | None) -> None:
-        """The last frame shows how the run ended; then the file is completed."""
-        if engine is not None and engine.ticks:
-            self.recorder.frame(self.view(engine), last=True)
-        self.recorder.close()
+        """The last frame shows how the run ended; then the files are completed."""
+        view = self.view(engine) if engine is not None and engine.ticks else None
+        if self.still is not None and view is not None:
+            self.still.take(view, last=True)
+        if self.recorder is not None:
+            if view is not None:
+                self.recorder.frame(view, last=True)
+            self.recorder.close()
 
     def view(self, engine: Engine) -> FrameView:
         """The moment that the engine is at."""
         scenery, context = engine.scenery, engine.context
-        for record in context.records[self.robots :]:
+        records = context.records
+        for record in records[self.robots :]:
             body = engine.loaded.world.models[record.model].body
             shape = body.radius if body.shape == "circle" else outline(body)
-            self.recorder.add_robot(record.name, shape)
-        self.robots = len(context.records)
+            for each in (self.recorder, self.still):
+                if each is not None:
+                    each.add_robot(record.name, shape)
+        self.robots = len(records)
         if self.movables is None:
             self.movables = [
                 (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
                 for m in engine.loaded.layout.movables
             ]
         paints = scenery.floor.painted_area > 0.0
+        settled = np.array([record.state in ENDED for record in records], bool)
         return FrameView(
             time=engine.time,
-            speed=engine.speed,
             poses=scenery.stage.poses,
             colors=np.array(context.colors, np.int64),
             coverage=scenery.floor.coverage if paints else None,
-            said=[record.said[-1][1] if record.said else "" for record in context.records],
-            scans=self.scans(engine),
+            said=[record.said[-1][1] if record.said else "" for record in records],
+            said_at=[record.said[-1][0] if record.said else 0.0 for record in records],
+            settled=settled,
+            scans=self.scans(engine, settled),
+            sightings=self.sightings(engine, settled),
             floor=scenery.floor.owner if paints else None,
             resolution=scenery.floor.resolution,
             movables=self.movables,
@@ -97,14 +165,15 @@ class Film:
             drawings=self.drawings(engine),
         )
 
-    def scans(self, engine: Engine) -> list[Scan]:
+    def scans(self, engine: Engine, settled: NDArray[np.bool_]) -> list[Scan]:
         """The fans of the lasers that somebody reads."""
         fans: list[Scan] = []
         for group in engine.scenery.suite.groups:
             readings = group.readings
             if not isinstance(readings, Scans):
                 continue
-            for row in group.rows[:MOST_SCANS]:
+            rows = group.rows[~settled[group.robots[group.rows]]]
+            for row in rows[:MOST_SCANS]:
                 fans.append(
                     Scan(
                         int(group.robots[row]),
@@ -114,6 +183,24 @@ class Film:
                     )
                 )
         return fans
+
+    def sightings(self, engine: Engine, settled: NDArray[np.bool_]) -> list[Sighting]:
+        """What the blobfinders see that somebody reads."""
+        seen: list[Sighting] = []
+        for group in engine.scenery.suite.groups:
+            readings, settings = group.readings, group.settings
+            if not isinstance(readings, Blobs) or not hasattr(settings, "fov"):
+                continue
+            fov = math.radians(settings.fov)
+            rows = group.rows[~settled[group.robots[group.rows]]]
+            for row in rows[:MOST_SCANS]:
+                blobs = readings.seen(int(row))
+                # Columns are counted from the left; each is fov / width wide.
+                ends = np.stack([blobs["right"].astype(float) + 1, blobs["left"]], axis=1)
+                bearings = fov / 2 - ends * (fov / readings.width)
+                robot = int(group.robots[row])
+                seen.append(Sighting(robot, group.origins[row], bearings, blobs["color"]))
+        return seen
 
     def drawings(self, engine: Engine) -> list[Drawing]:
         """What programs have drawn, in world coordinates."""

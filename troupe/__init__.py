@@ -8,7 +8,7 @@ if is_the_command():
     heed_interrupts()  # first of all: what follows takes a moment to load
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +37,9 @@ def run(
     video_fps: float | None = None,
     video_speed: float | None = None,
     video_size: str | tuple[int, int] | None = None,
+    video_show: Iterable[str] | None = None,
+    picture: str | Path | None = None,
+    at: float | None = None,
     say: Callable[[str], None] | None = None,
     settings: Sequence[str] = (),
 ) -> Result:
@@ -56,6 +59,10 @@ def run(
         video: an MP4 file to be made, with frames per second, simulated seconds per second of
             video, and width and height in pixels, as `"640x840"` or (640, 840), if they are to be
             other than the defaults.
+        video_show: what it shows besides bodies and paint: some of fans, names, trails, speech and
+            blobs (all but blobs unless given). It holds for the picture too, as does the size.
+        picture: a PNG or SVG file to be made of one moment: `at` so many simulated seconds, or at
+            the end of the run.
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
         settings: more texts like those of `set`.
@@ -64,8 +71,8 @@ def run(
     the result so far comes back with the outcome `interrupted`. A controller that fails raises
     nothing: `result.outcome` and `result.robot(name).error` tell.
 
-    A video that could not be written to its end, for want of room say, is a RuntimeWarning: the
-    result is none the worse for it.
+    A video or picture that could not be written to its end, for want of room say, is a
+    RuntimeWarning: the result is none the worse for it.
 
     Raises:
         sim.worldfile.WorldError: there is no such world, or it has mistakes; all of them are in it.
@@ -89,6 +96,9 @@ def run(
         video_fps=video_fps,
         video_speed=video_speed,
         video_size=video_size,
+        video_show=video_show,
+        picture=picture,
+        at=at,
         say=say or (lambda line: None),
     )
     if done.video_error is not None:

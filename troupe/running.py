@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -28,7 +28,7 @@ Size = str | tuple[int, int]
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of a run; `video_error` says why there is no whole video, where one was due."""
+    """What came out of a run; `video_error` says why a video or picture is not whole, if so."""
 
     result: Result
     video_error: str | None
@@ -48,6 +48,9 @@ def run_file(
     video_fps: float | None = None,
     video_speed: float | None = None,
     video_size: Size | None = None,
+    video_show: str | Iterable[str] | None = None,
+    picture: str | Path | None = None,
+    at: float | None = None,
     say: Callable[[str], None],
     warn: Callable[[str], None] | None = None,
     each_tick: EachTick | None = None,
@@ -65,17 +68,20 @@ def run_file(
     """
     check_numbers(seed, duration, realtime, patience)
     address = None if listen is None else parse_listen(listen)
-    shaped = {"video fps": video_fps, "video speed": video_speed, "video size": video_size}
-    for name, given in shaped.items():
-        if given is not None and video is None:
-            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
+    check_pictures(
+        {"video fps": video_fps, "video speed": video_speed},
+        {"video size": video_size, "video show": video_show},
+        at,
+        video,
+        picture,
+    )
     interrupts, own = interrupts or Interrupts(), interrupts is None
     begun = False
     fleet = Fleet(show=say)  # first: it gets ready while we load the rest
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
-        from sim.filming import Film, open_recorder  # noqa: PLC0415
+        from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from sim.worldfile import load  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
@@ -97,10 +103,17 @@ def run_file(
         interrupts.hold()
         if own:
             ending.callback(interrupts.release)
+        from sim.video.layers import parse_layers  # noqa: PLC0415
+        from sim.video.projection import parse_size  # noqa: PLC0415
+
+        size = parse_size(video_size) if isinstance(video_size, str) else video_size
+        show = parse_layers(video_show) if isinstance(video_show, str) else video_show
         film = None
+        if picture is not None:
+            still = open_still(Path(picture), loaded, at=at, size=size, show=show)
+            film = Film(still=still)
         if video is not None:
             from sim.video.encode import abandon  # noqa: PLC0415
-            from sim.video.projection import parse_size  # noqa: PLC0415
 
             ending.enter_context(last_act(partial(abandon, Path(video).resolve())))
             recorder = open_recorder(
@@ -108,9 +121,10 @@ def run_file(
                 loaded,
                 fps=video_fps,
                 speed=video_speed,
-                size=parse_size(video_size) if isinstance(video_size, str) else video_size,
+                size=size,
+                show=show,
             )
-            film = Film(recorder)
+            film = Film(recorder, None if film is None else film.still)
             if recorder.notice:
                 say(recorder.notice)
 
@@ -132,7 +146,28 @@ def run_file(
             warn=warn,
             interrupts=interrupts,
         )
-    return Run(result, None if film is None else film.recorder.error)
+    taken = None if film is None or film.still is None else film.still.time
+    if taken is not None and at is not None and taken < at - 1e-9:
+        say(f"{picture}: the run ended at {taken:g} s, and that is what the picture shows")
+    return Run(result, None if film is None else film.error)
+
+
+def check_pictures(
+    of_video: Mapping[str, object],
+    of_both: Mapping[str, object],
+    at: float | None,
+    video: object,
+    picture: object,
+) -> None:
+    """Raises UsageError for options of a video or a picture that is not to be made."""
+    for name, given in of_video.items():
+        if given is not None and video is None:
+            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
+    for name, given in of_both.items():
+        if given is not None and video is None and picture is None:
+            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
+    if at is not None and picture is None:
+        raise UsageError("at: there is no picture to be made; name its file, as run.png")
 
 
 def check_numbers(

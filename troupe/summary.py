@@ -17,7 +17,7 @@ OUTCOMES = {
 }
 
 
-def summary(result: Result, video: Path | None = None) -> str:
+def summary(result: Result, video: Path | None = None, picture: Path | None = None) -> str:
     """The result for people."""
     lines = [
         f"{result.world}, seed {result.seed}: {OUTCOMES[result.outcome]}",
@@ -35,6 +35,8 @@ def summary(result: Result, video: Path | None = None) -> str:
     lines.append(result.digest)
     if video is not None:
         lines.append(f"video: {video}")
+    if picture is not None:
+        lines.append(f"picture: {picture}")
     if result.robots:
         width = max(len(record.name) for record in result.robots[:MOST_ROBOTS])
         lines.append("")

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.stage.geometry import rectangle
+from sim.stage.raster import Raster
+
 Floats = NDArray[np.float64]
 
 
@@ -42,3 +45,31 @@ def inner_faces(polygon: Floats, overlap: float) -> Floats:
     edges = after - polygon
     along = edges / np.hypot(edges[:, 0], edges[:, 1])[:, None]
     return np.concatenate([polygon - overlap * along, after + overlap * along], axis=1)
+
+
+def touchable(raster: Raster, size: tuple[float, float], thickness: float) -> list[Floats]:
+    """The pieces (k of (4, 2)) of the walls around `size` that no wall of the map stands along.
+
+    They are what a robot could meet, and so what a picture shows; a piece that begins or ends in
+    a corner reaches around it.
+    """
+    width, height = size
+    half, t = raster.cell / 2, thickness
+    pieces: list[Floats] = []
+    for upright, level, near, far in (
+        (False, half, -t, 0.0),  # below
+        (True, width - half, width, width + t),  # to the right
+        (False, height - half, height, height + t),  # above
+        (True, half, -t, 0.0),  # to the left
+    ):
+        length = height if upright else width
+        along = np.arange(half, length, raster.cell)
+        across = np.full(len(along), level)
+        places = np.stack([across, along] if upright else [along, across], axis=1)
+        ends = np.flatnonzero(np.diff(~raster.is_wall(places), prepend=False, append=False))
+        for first, after in ends.reshape(-1, 2).tolist():
+            start = first * raster.cell if first else -t
+            end = after * raster.cell if after < len(along) else length + t
+            corners = (near, start, far, end) if upright else (start, near, end, far)
+            pieces.append(rectangle(*corners))
+    return pieces

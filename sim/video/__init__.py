@@ -5,6 +5,6 @@
 `--video` never pays for them.
 """
 
-from sim.video.view import Backdrop, Drawing, FrameView, Scan, Shape
+from sim.video.view import Backdrop, Drawing, FrameView, Scan, Shape, Sighting
 
-__all__ = ["Backdrop", "Drawing", "FrameView", "Scan", "Shape"]
+__all__ = ["Backdrop", "Drawing", "FrameView", "Scan", "Shape", "Sighting"]

@@ -22,10 +22,12 @@ GRID_STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 GRID_PIXELS = 24.0
 
 
-def draw_ground(backdrop: Backdrop, projection: Projection) -> NDArray[np.uint8]:
-    """The backdrop as (height, width, 3) BGR."""
+def draw_ground(
+    backdrop: Backdrop, projection: Projection, outside: int = OUTSIDE
+) -> NDArray[np.uint8]:
+    """The backdrop as (height, width, 3) BGR; `outside`: the colour around the world."""
     image = np.empty((projection.height, projection.width, 3), np.uint8)
-    image[:] = bgr(OUTSIDE)
+    image[:] = bgr(outside)
     width, height = backdrop.size
     floor = np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=float)
     cv2.fillConvexPoly(image, projection.fixed(floor), bgr(GROUND), cv2.LINE_AA, SHIFT)
@@ -64,12 +66,17 @@ def soften(color: int) -> int:
     return mix(color, 0x606468, 0.3)
 
 
-def _draw_grid(image: NDArray[np.uint8], size: tuple[float, float], projection: Projection) -> None:
+def grid_lines(size: tuple[float, float], projection: Projection) -> list[NDArray[np.float64]]:
+    """The lines of the metric grid, each (2, 2) in metres."""
     step = next((s for s in GRID_STEPS if s * projection.scale >= GRID_PIXELS), GRID_STEPS[-1])
     width, height = size
     lines = [[[x, 0], [x, height]] for x in np.arange(step, width - step / 100, step)]
     lines += [[[0, y], [width, y]] for y in np.arange(step, height - step / 100, step)]
-    for line in lines:
+    return [np.array(line, float) for line in lines]
+
+
+def _draw_grid(image: NDArray[np.uint8], size: tuple[float, float], projection: Projection) -> None:
+    for line in grid_lines(size, projection):
         # Whole pixels, no smoothing: every grid line is equally fine.
-        start, end = (projection.fixed(np.array(line)) + (1 << SHIFT) // 2) >> SHIFT
+        start, end = (projection.fixed(line) + (1 << SHIFT) // 2) >> SHIFT
         cv2.line(image, start.tolist(), end.tolist(), bgr(GRID), 1)

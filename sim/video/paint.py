@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +40,10 @@ class PaintLayer:
         """`ground` (height, width, 3) BGR; `walls` (height, width) True where paint is hidden."""
         self.image = ground.copy()
         """(height, width, 3) BGR: the ground as it stands now."""
+        self.mask = np.zeros(ground.shape[:2], np.uint8)
+        """(height, width) 255 where there is paint."""
+        self.any = False
+        """Whether there has been any paint."""
         self._ground = ground
         self._walls = walls
         self._projection = projection
@@ -73,6 +79,7 @@ class PaintLayer:
         self._row_runs = _runs(rows, shape[0])
         self._shown = np.zeros(shape, np.int16)
         self.image[:] = self._ground
+        self.mask[:] = 0
 
     def _color(self, rows: Index, columns: Index, owners: NDArray[np.int16]) -> None:
         """Colours the pixels of the cells (rows, columns)."""
@@ -88,8 +95,38 @@ class PaintLayer:
         tints = np.where(owners > 0, (owners - 1) % len(TINTS), len(TINTS))
         bare = self._walls.ravel()[pixels]
         tint = np.where(bare, len(TINTS), tints[:, None, None])
+        self.mask.ravel()[pixels] = np.where(tint < len(TINTS), np.uint8(255), np.uint8(0))
+        self.any = True
         channels = np.arange(3)
         self.image.reshape(-1, 3)[pixels] = _PAINTED[tint[..., None], channels, ground]
+
+
+def rectangles_of(
+    cells: NDArray[np.int16],
+) -> Iterator[tuple[int, list[tuple[int, int, int, int]]]]:
+    """What each painter painted, as few rectangles: its number in `cells`, and (row, column, rows,
+    columns) of each."""
+    for owner in np.unique(cells[cells > 0]).tolist():
+        marks = np.diff(np.pad(cells == owner, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+        (starts, lefts), (_, rights) = np.nonzero(marks == 1), np.nonzero(marks == -1)
+        growing: dict[tuple[int, int], tuple[int, int]] = {}  # the run's ends: first, last row
+        found: list[tuple[int, int, int, int]] = []
+
+        def done(run: tuple[int, int], rows: tuple[int, int]) -> None:
+            found.append((rows[0], run[0], rows[1] - rows[0] + 1, run[1] - run[0]))  # noqa: B023
+
+        for row, left, right in zip(starts.tolist(), lefts.tolist(), rights.tolist(), strict=True):
+            run = left, right
+            before = growing.get(run)
+            if before is not None and before[1] == row - 1:
+                growing[run] = before[0], row
+                continue
+            if before is not None:
+                done(run, before)
+            growing[run] = row, row
+        for run, rows in growing.items():
+            done(run, rows)
+        yield owner, found
 
 
 def _cells_under(positions: NDArray[np.floating], resolution: float, cells: int) -> Index:

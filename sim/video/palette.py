@@ -17,8 +17,23 @@ TINTS: tuple[int, ...] = (
     0xD55E00,  # vermillion
     0xCC79A7,  # reddish purple
     0x5D3A1A,  # dark brown in black's place, which would be taken for walls and text
+    # And for larger teams those that lie farthest from these and from each other, one after the
+    # other, in CIELAB, as paint and as they are, with common and with colour-blind eyes.
+    0x0000FF,
+    0x2266FF,
+    0x00EE77,
+    0x770033,
+    0x550099,
+    0xDD0088,
+    0xFF3355,
+    0xFF00EE,
+    0xBB9944,
+    0x99CCAA,
+    0x22DDDD,
+    0x445500,
 )
-"""0xRRGGBB of robots 0, 1, 2, ...; from the ninth robot on they repeat."""
+"""0xRRGGBB of robots 0, 1, 2, ...: who they are, whatever colour their bodies have. From the 21st
+robot on they repeat."""
 
 GROUND = 0xFBFAF7
 OUTSIDE = 0xE9E7E1
@@ -57,5 +72,5 @@ def contrast_ink(color: int) -> int:
 
 
 def tint(robot: int) -> int:
-    """The tint of a robot's paint, trail and fan, 0xRRGGBB."""
+    """A robot's identity colour, 0xRRGGBB: of its rim, arrow, paint, trail, fan and balloon."""
     return TINTS[robot % len(TINTS)]

@@ -17,10 +17,14 @@ SHORT_SIDE = 240
 """Pixels that the shorter side has at least, so that the status line can be read."""
 SMALLEST, LARGEST = 64, 4096
 """Sides that H.264 players take (level 5.1 ends at 4096)."""
+UNIT_HEIGHT, UNIT_WIDTH = 720, 480
+"""Pixels of a frame in which text and lines have their plain size; in larger ones they grow."""
 STRIP_HEIGHT = 26
-"""Pixels of the status line at the lower edge."""
+"""Units of the status line at the lower edge."""
 PADDING = 4
-"""Pixels between the outermost wall and the edge."""
+"""Units between the outermost wall and the edge."""
+AXIS_ROOM = (8.0, 7.5, 22.0)
+"""Units for the axes' numbers: to the left at least, more for each character, and below."""
 SHIFT = 4
 """Fractional bits of the coordinates that OpenCV draws with: 1/16 pixel."""
 FARTHEST = 20_000.0
@@ -39,6 +43,14 @@ class Projection:
     """Column (pixel edges, not centres) of x = 0."""
     bottom: float
     """Row (pixel edges) of y = 0."""
+    unit: float = 1.0
+    """Pixels per unit, in which the sizes of text and lines are told."""
+    extent: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """Left, bottom, right, top in metres of what is shown: the world with its walls."""
+
+    def units(self, length: float) -> int:
+        """A line's width in units as whole pixels, at least one: smoothing adds a little."""
+        return max(1, round(length * self.unit - 0.3))
 
     def edges(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Points (..., 2) in metres to (column, row) on the scale of pixel edges."""
@@ -59,7 +71,12 @@ class Projection:
     @property
     def field_height(self) -> int:
         """Rows above the status line."""
-        return self.height - STRIP_HEIGHT
+        return self.height - round(STRIP_HEIGHT * self.unit)
+
+
+def unit_of(size: tuple[int, int]) -> float:
+    """Pixels per unit: in proportion to a frame's height, as far as its width allows."""
+    return max(1.0, min(size[1] / UNIT_HEIGHT, size[0] / UNIT_WIDTH))
 
 
 def to_fixed(edges: NDArray[np.float64]) -> NDArray[np.int32]:
@@ -72,10 +89,10 @@ def to_fixed(edges: NDArray[np.float64]) -> NDArray[np.int32]:
     return np.rint(bounded, out=bounded).astype(np.int32)
 
 
-def default_size(world: tuple[float, float]) -> tuple[int, int]:
+def default_size(world: tuple[float, float], long_side: int = LONG_SIDE) -> tuple[int, int]:
     """Width and height in pixels with the world's aspect: 640 x 840 for 16 x 21 m."""
     longest = max(world)
-    sides = [max(SHORT_SIDE, 2 * round(LONG_SIDE * side / longest / 2)) for side in world]
+    sides = [max(SHORT_SIDE, 2 * round(long_side * side / longest / 2)) for side in world]
     return sides[0], sides[1]
 
 
@@ -106,10 +123,13 @@ def project(
     world: tuple[float, float],
     outlines: Iterable[NDArray[np.float64]],
     size: tuple[int, int],
+    *,
+    axes: bool = False,
 ) -> Projection:
     """The largest projection that shows the world and the walls around it above the status line.
 
-    Solids that reach out by more than a tenth of the world are cut, not followed.
+    Solids that reach out by more than a tenth of the world are cut, not followed. `axes`: leaves
+    room for them.
     """
     reach = 0.1 * max(world)
     low, high = np.zeros(2), np.array(world, dtype=float)
@@ -119,14 +139,24 @@ def project(
     low = np.maximum(low, -reach)
     high = np.minimum(high, np.add(world, reach))
     width, height = size
-    room = np.array([width - 2 * PADDING, height - STRIP_HEIGHT - 2 * PADDING], dtype=float)
+    unit = unit_of(size)
+    padding, strip = PADDING * unit, round(STRIP_HEIGHT * unit)
+    left = below = 0.0
+    if axes:
+        characters = max(len(f"{world[1]:.0f} m"), len("0.5 m"))
+        left = (AXIS_ROOM[0] + AXIS_ROOM[1] * characters) * unit
+        below = AXIS_ROOM[2] * unit
+    room = np.array([width - 2 * padding - left, height - strip - 2 * padding - below])
+    room = np.maximum(room, 1.0)
     extent = high - low
     scale = float((room / extent).min())
-    corner = (room - extent * scale) / 2 + PADDING
+    corner = (room - extent * scale) / 2 + padding + (left, 0.0)
     return Projection(
         width=width,
         height=height,
         scale=scale,
         left=float(corner[0] - low[0] * scale),
         bottom=float(corner[1] + high[1] * scale),
+        unit=unit,
+        extent=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
     )

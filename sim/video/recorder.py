@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from sim.video.encode import open_encoder
 from sim.video.errors import VideoError
+from sim.video.layers import SHOWN, Layer
 from sim.video.picture import Picture
 from sim.video.target import check_target
 from sim.video.view import Backdrop, FrameView, Shape
@@ -17,6 +19,9 @@ from sim.video.writer import FrameWriter
 FPS = 25.0
 SPEED = 10.0
 """Simulated seconds per second of video: a Paint run of 150 s makes 15 s."""
+SLOWEST, FASTEST = 0.01, 1e6
+"""Simulated seconds per second of video. Slower, and a tick of 0.1 s would stand still for ten
+seconds of video; faster, and a run of ten days would be one frame."""
 SPEECH_SECONDS = 3.0
 """Seconds of video that a balloon stays."""
 
@@ -37,16 +42,20 @@ class Recorder:
         fps: float = FPS,
         speed: float = SPEED,
         size: tuple[int, int] | None = None,
+        show: frozenset[Layer] = SHOWN,
     ) -> None:
         """Opens the file; raises VideoError for a path, rate, speed or size that cannot be."""
         if not (math.isfinite(fps) and 1 <= fps <= 240):
             raise VideoError(f"video fps {fps:g}: must be 1 to 240 frames a second")
-        if not (math.isfinite(speed) and speed > 0):
-            raise VideoError(f"video speed {speed:g}: must be above 0 simulated seconds a second")
+        if not (math.isfinite(speed) and SLOWEST <= speed <= FASTEST):
+            allowed = f"{SLOWEST:g} to {FASTEST:g} simulated seconds a second"
+            raise VideoError(f"video speed {speed:g}: must be {allowed}")
         self.path = Path(path)
         self.fps = float(fps)
         self.speed = float(speed)
-        self.picture = Picture(backdrop, size, speech_time=SPEECH_SECONDS * speed)
+        self.picture = Picture(
+            backdrop, size, speech_time=SPEECH_SECONDS * speed, show=show, film_speed=self.speed
+        )
         target = check_target(self.path)
         width, height = self.picture.size
         encoder, self.notice = open_encoder(target, (width, height), self.fps, backdrop.title)
@@ -78,11 +87,18 @@ class Recorder:
         """Whether a frame is due at this simulated time (s)."""
         return self._due(time) > self._frames and self._writer.error is None
 
-    def frame(self, view: FrameView, *, last: bool = False) -> None:
+    def frame(
+        self,
+        view: FrameView,
+        *,
+        last: bool = False,
+        going_on: Callable[[], bool] = lambda: True,
+    ) -> None:
         """Draws the view into all frames due by its time; does nothing where none is.
 
         `last`: draws it even if none is due, unless it was drawn already, so that the video
-        ends where the run ended.
+        ends where the run ended. A slow film shows one view in many frames, which may take long
+        to encode: as soon as `going_on()` says no, those that do not wait yet are left out.
         """
         unseen = last and view.time > self._last_time
         times = max(self._due(view.time) - self._frames, int(unseen))
@@ -90,8 +106,7 @@ class Recorder:
             return
         image = self._writer.buffer()
         self.picture.draw(view, out=image)
-        self._writer.put(image, times)
-        self._frames += times
+        self._frames += self._writer.put(image, times, going_on)
         self._last_time = view.time
 
     def close(self) -> Path:

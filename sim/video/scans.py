@@ -1,4 +1,4 @@
-"""Range readings as translucent fans in their robots' tints."""
+"""Range readings as translucent fans in their robots' tints, and what blobfinders see."""
 
 from __future__ import annotations
 
@@ -11,17 +11,24 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.video.palette import bgr, mix, tint
+from sim.video.palette import INK, bgr, mix, tint
 from sim.video.projection import SHIFT, Projection, to_fixed
-from sim.video.view import MOST_SCANS, Scan
+from sim.video.view import Scan, Sighting
 
 FARTHEST_RANGE = 1e5
 """Metres: longer and infinite ranges are drawn to here."""
 STRENGTH = 0.16
 """Share of the light that one fan takes away; of n fans each takes 1 / sqrt(n) of that, so
 that they stay visible alone and the ground stays light where all overlap."""
+PALE, PALER = 0.35, 0.7
+"""How much white there is in the edge of a filled fan, and in an edge that stands alone."""
 SMOOTHING = 5
 """Sixteenths of a pixel by which a fan's outline may be off: rays along a wall become a line."""
+
+
+RING, RING_WIDTH = 7.0, 3.0
+"""Units outside of a body at which what its blobfinder sees is drawn, and how broad."""
+SMOOTH = cv2.LINE_AA
 
 
 @lru_cache(maxsize=64)
@@ -52,12 +59,18 @@ def draw_scans(
     scratch: NDArray[np.uint8],
     scans: Sequence[Scan],
     projection: Projection,
+    *,
+    filled: bool = True,
 ) -> None:
-    """Draws the first MOST_SCANS scans. `scratch` is an image of the same size to work in."""
-    shown = [scan for scan in scans if len(scan.ranges)][:MOST_SCANS]
-    strength = STRENGTH / math.sqrt(max(len(shown), 1))
-    for scan in shown:
+    """Draws scans, or their edges. `scratch` is an image of the same size to work in."""
+    strength = STRENGTH / math.sqrt(max(len(scans), 1))
+    line = projection.units(1)
+    for scan in scans:
         outline = fan_outline(scan, projection)
+        if not filled:
+            edge = bgr(mix(tint(scan.robot), 0xFFFFFF, PALER))
+            cv2.polylines(image, [outline], True, edge, line, cv2.LINE_AA, SHIFT)
+            continue
         area = _area(outline, image.shape[1], image.shape[0])
         if area is None:
             continue
@@ -67,8 +80,8 @@ def draw_scans(
         scratch[area] = 0
         cv2.fillPoly(scratch, [outline], lacking, cv2.LINE_8, SHIFT)
         cv2.subtract(image[area], scratch[area], dst=image[area])
-        edge = bgr(mix(color, 0xFFFFFF, 0.35))
-        cv2.polylines(image, [outline], True, edge, 1, cv2.LINE_AA, SHIFT)
+        edge = bgr(mix(color, 0xFFFFFF, PALE))
+        cv2.polylines(image, [outline], True, edge, line, cv2.LINE_AA, SHIFT)
 
 
 def _area(outline: NDArray[np.int32], width: int, height: int) -> tuple[slice, slice] | None:
@@ -79,3 +92,40 @@ def _area(outline: NDArray[np.int32], width: int, height: int) -> tuple[slice, s
     if left >= right or top >= bottom:
         return None
     return slice(top, bottom), slice(left, right)
+
+
+def sighting_arcs(
+    sighting: Sighting, radius: float, projection: Projection
+) -> list[tuple[int, NDArray[np.float64]]]:
+    """What a blobfinder sees as arcs around its robot: colour 0xRRGGBB, points (k, 2) in pixels.
+
+    `radius` in pixels: that of the robot's body.
+    """
+    x, y, yaw = (float(value) for value in sighting.pose)
+    centre = projection.edges(np.array([x, y]))
+    reach = radius + RING * projection.unit
+    arcs: list[tuple[int, NDArray[np.float64]]] = []
+    for (right, left), color in zip(sighting.bearings, sighting.colors, strict=True):
+        steps = max(2, math.ceil(abs(left - right) * reach / 6) + 1)
+        angles = yaw + np.linspace(right, left, steps)
+        arcs.append((int(color), centre + reach * np.stack([np.cos(angles), -np.sin(angles)], 1)))
+    return arcs
+
+
+def draw_sightings(
+    image: NDArray[np.uint8],
+    sightings: Sequence[Sighting],
+    radii: Sequence[float],
+    projection: Projection,
+) -> None:
+    """Draws what blobfinders see; `radii` of all robots' bodies in pixels."""
+    width = projection.units(RING_WIDTH)
+    for sighting in sightings:
+        arcs = [
+            (color, [to_fixed(points)])
+            for color, points in sighting_arcs(sighting, radii[sighting.robot], projection)
+        ]
+        for _, line in arcs:
+            cv2.polylines(image, line, False, bgr(INK), width + 2, SMOOTH, SHIFT)
+        for color, line in arcs:
+            cv2.polylines(image, line, False, bgr(color), width, SMOOTH, SHIFT)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +40,13 @@ class Trails:
         self._points[:count, self._marks % LENGTH] = self._projection.fixed(poses[:, :2])
         self._marks += 1
 
-    def draw(self, image: NDArray[np.uint8]) -> None:
-        """Draws the trails, the older half paler."""
+    def lines(self) -> Iterator[tuple[int, list[NDArray[np.int32]]]]:
+        """The trails in batches of one colour (0xRRGGBB), the older half paler.
+
+        Each line is (k, 2) in fixed-point pixels, from the past to now.
+        """
         count = len(self._entered)
-        crowded = count > CROWD
-        length = min(CROWD_LENGTH if crowded else LENGTH, self._marks)
+        length = min(CROWD_LENGTH if self.crowded else LENGTH, self._marks)
         if length < 2:
             return
         marks = np.arange(self._marks - length, self._marks)
@@ -52,11 +56,21 @@ class Trails:
         for robot in np.flatnonzero(early):
             points[robot, : early[robot]] = points[robot, min(early[robot], length - 1)]
         moved = np.ptp(points, axis=1).max(axis=1) >= 1 << SHIFT
-        smooth = cv2.LINE_8 if crowded else cv2.LINE_AA
         middle = length // 2
         parts = ((points[:, : middle + 1], 0.55), (points[:, middle:], 0.15))
         for part, paleness in parts:
             for index, color in enumerate(TINTS[:count]):
                 if lines := list(part[index :: len(TINTS)][moved[index :: len(TINTS)]]):
-                    ink = bgr(mix(mix(color, 0x000000, 0.15), 0xFFFFFF, paleness))
-                    cv2.polylines(image, lines, False, ink, 1, smooth, SHIFT)
+                    yield mix(mix(color, 0x000000, 0.15), 0xFFFFFF, paleness), lines
+
+    @property
+    def crowded(self) -> bool:
+        """Whether there are so many that trails are short and plain."""
+        return len(self._entered) > CROWD
+
+
+def draw_trails(image: NDArray[np.uint8], trails: Trails, line: int = 1) -> None:
+    """Draws the trails, `line` pixels wide."""
+    smooth = cv2.LINE_8 if trails.crowded else cv2.LINE_AA
+    for color, lines in trails.lines():
+        cv2.polylines(image, lines, False, bgr(color), line, smooth, SHIFT)

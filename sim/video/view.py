@@ -1,4 +1,4 @@
-"""What one frame shows, as plain arrays: the still backdrop and the view of one moment."""
+"""What one moment shows, as plain arrays: the still backdrop and the view of one moment."""
 
 from __future__ import annotations
 
@@ -29,6 +29,18 @@ class Scan(NamedTuple):
     """Radians from the first ray to the last."""
     ranges: NDArray[np.float64]
     """(k,) metres, counter-clockwise from the right."""
+
+
+class Sighting(NamedTuple):
+    """What one blobfinder sees: runs of one colour."""
+
+    robot: int
+    pose: NDArray[np.float64] | Sequence[float]
+    """The sensor's x, y, yaw in the world (m, rad)."""
+    bearings: NDArray[np.float64]
+    """(k, 2) where each run ends on the right and on the left: radians, in the sensor's frame."""
+    colors: NDArray[np.integer]
+    """(k,) 0xRRGGBB."""
 
 
 @dataclass(frozen=True)
@@ -65,23 +77,29 @@ class Backdrop:
 
 @dataclass
 class FrameView:
-    """One moment of a run. Arrays are read at once and never kept or changed."""
+    """One moment of a run: it follows from the world and the seed alone.
+
+    Arrays are read at once and never kept or changed.
+    """
 
     time: float
     """Simulated seconds."""
     poses: NDArray[np.float64]
     """(n, 3) x, y, yaw of every robot in the order in which they were added."""
     colors: NDArray[np.integer] | Sequence[int]
-    """(n,) 0xRRGGBB."""
-    speed: float | None = None
-    """Simulated seconds per wall-clock second. It is the one thing in a frame that a second
-    run does not repeat; None leaves it out."""
+    """(n,) 0xRRGGBB of the bodies."""
     coverage: float | None = None
     """Painted share of the floor, 0 to 1; None where nothing paints."""
     said: Sequence[str] = ()
-    """(n,) what each robot said last, "" for nothing. The frame shows it for a while."""
+    """(n,) what each robot said last, "" for nothing."""
+    said_at: Sequence[float] = ()
+    """(n,) when it said that, in simulated seconds; empty: now."""
+    settled: Sequence[bool] | NDArray[np.bool_] = ()
+    """(n,) whether nobody drives the robot any more, as its controller has ended; empty: none."""
     scans: Sequence[Scan | tuple[int, Sequence[float], float, NDArray[np.float64]]] = ()
     """Only the first MOST_SCANS show."""
+    sightings: Sequence[Sighting] = ()
+    """What blobfinders see."""
     floor: NDArray[np.int16] | None = None
     """(rows, cols) 0 = bare, r + 1 = painted last by robot r; row 0 lies at y = 0."""
     resolution: float = 0.05

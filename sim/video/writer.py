@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import queue
 import threading
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,9 @@ from numpy.typing import NDArray
 from sim.video.encode import Encoder
 
 WAITING = 8
-"""Frames that may wait for the encoder; the run waits when there are more (13 MB at 640x840)."""
+"""Images that may wait for the encoder; the run waits when there are more (13 MB at 640x840)."""
+REPEATS = 10
+"""Frames of one image that wait as one: what must be encoded before anybody is listened to."""
 
 
 class FrameWriter:
@@ -29,7 +32,7 @@ class FrameWriter:
         """`shape`: (height, width, 3) of the frames."""
         self._encoder = encoder
         self._shape = shape
-        self._full: queue.Queue[tuple[NDArray[np.uint8], int] | None] = queue.Queue(WAITING)
+        self._full: queue.Queue[tuple[NDArray[np.uint8], int, bool] | None] = queue.Queue(WAITING)
         self._free: queue.SimpleQueue[NDArray[np.uint8]] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
         self.error: Exception | None = None
@@ -42,10 +45,24 @@ class FrameWriter:
         except queue.Empty:
             return np.empty(self._shape, np.uint8)
 
-    def put(self, image: NDArray[np.uint8], times: int = 1) -> None:
-        """Queues a frame that shows `times` times; `image` is the writer's from now on."""
+    def put(
+        self,
+        image: NDArray[np.uint8],
+        times: int = 1,
+        going_on: Callable[[], bool] = lambda: True,
+    ) -> int:
+        """Queues a frame that shows `times` times; `image` is the writer's from now on.
+
+        Asks `going_on()` between repeats and leaves out the rest where it says no. Returns how
+        often the image is shown, at least once.
+        """
         self._start()
-        self._full.put((image, times))
+        queued = 0
+        while queued < times and (queued == 0 or (going_on() and self.error is None)):
+            some = min(times - queued, REPEATS)
+            queued += some
+            self._full.put((image, some, queued >= times))
+        return queued
 
     def close(self) -> None:
         """Encodes what waits and completes the file; afterwards `error` is final."""
@@ -63,13 +80,14 @@ class FrameWriter:
 
     def _run(self) -> None:
         while (item := self._full.get()) is not None:
-            image, times = item
+            image, times, done = item
             if self.error is None:
                 try:
                     self._encoder.write(image, times)
                 except Exception as error:
                     self.error = error
-            self._free.put(image)
+            if done:
+                self._free.put(image)
         try:
             self._encoder.close()
         except Exception as error:

@@ -48,10 +48,13 @@ __all__ = [
     "Robots",
     "Size",
     "Sprayer",
+    "Video",
     "World",
 ]
 
 RED = 0xFF0000
+Side = Annotated[int, Field(ge=64, le=4096, multiple_of=2)]
+"""Pixels of a frame's width or height."""
 LARGEST_STEP = 0.02
 """Seconds of physics at once unless a world says otherwise."""
 
@@ -312,6 +315,24 @@ class Player(Part):
     )
 
 
+class Video(Part):
+    """How videos and pictures of this world are made unless the command line says otherwise."""
+
+    fps: Annotated[float, Field(ge=1, le=240)] = Field(
+        default=25.0, description="frames per second of video"
+    )
+    speed: Annotated[float, Field(ge=0.01, le=1e6)] = Field(
+        default=10.0, description="simulated s per second of video"
+    )
+    size: tuple[Side, Side] | None = Field(
+        default=None, description="width and height in pixels, even; null: the world's shape"
+    )
+    show: tuple[Literal["fans", "names", "trails", "speech", "blobs"], ...] = Field(
+        default=("fans", "names", "trails", "speech"),
+        description="what shows besides bodies and paint",
+    )
+
+
 class World(Part):
     """A world: a floor, what stands on it, robots, and the programs that drive them."""
 
@@ -350,6 +371,7 @@ class World(Part):
         default={}, description="programs that drive robots, by name"
     )
     player: Player = Field(default=Player(), description="how Player's clients reach the robots")
+    video: Video = Field(default=Video(), description="how videos and pictures are made")
 
     @model_validator(mode="after")
     def _has_size_and_region(self) -> Self:

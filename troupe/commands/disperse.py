@@ -72,7 +72,9 @@ def disperse(
     ] = None,
     picture: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.png", help="Draw the last step.", show_default="none is made"),
+        typer.Option(
+            metavar="FILE.png|.svg", help="Draw the last step.", show_default="none is made"
+        ),
     ] = None,
     at: Annotated[
         int | None,
@@ -109,7 +111,7 @@ def disperse(
 
     try:
         if picture is not None:
-            check_target(picture, ending=".png", what="picture")
+            check_target(picture, endings=(".png", ".svg"), what="picture")
         if video_file is not None:
             check_target(video_file)
     except VideoError as error:
@@ -162,15 +164,16 @@ def _dispersed(
     video_file: Path | None,
 ) -> "tuple[GridRun, Outcome]":
     """The run when it is over, and what came out of it; what cannot be ends the command."""
-    from gridworld.draw import DrawError, record
     from gridworld.grid import GridRun
     from gridworld.regions import RegionError
+    from sim.video.errors import VideoError
+    from troupe.grid_film import record
 
     try:
         region = _region(map_file, grid, doors, force)
         run = GridRun(region, rule, seed=seed, q=q, conflict=conflict)
-        record(run, max_steps=max_steps, picture=picture, at=at, film=video_file)
-    except (RegionError, DrawError) as error:
+        record(run, max_steps=max_steps, picture=picture, at=at, film=video_file, rule=rule)
+    except (RegionError, VideoError) as error:
         _fail(str(error))
     except OSError as error:
         _fail(told(error))

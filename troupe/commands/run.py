@@ -71,6 +71,28 @@ def run(
             metavar="WxH", help="Pixels.", show_default="the world's shape, 840 at the most"
         ),
     ] = None,
+    video_show: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LAYERS",
+            help="Some of fans,names,trails,speech,blobs, or none; for --picture too.",
+            show_default="all but blobs",
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png|.svg",
+            help="Draw one moment, with axes in metres.",
+            show_default="none is made",
+        ),
+    ] = None,
+    at: Annotated[
+        float | None,
+        typer.Option(
+            metavar="T", help="The picture's moment in simulated seconds.", show_default="the end"
+        ),
+    ] = None,
     realtime: Annotated[
         float | None,
         typer.Option(
@@ -124,13 +146,16 @@ def run(
                 video_fps=video_fps,
                 video_speed=video_speed,
                 video_size=video_size,
+                video_show=video_show,
+                picture=picture,
+                at=at,
                 say=screen.say,
                 warn=screen.warn,
                 each_tick=screen.progress,
                 while_waiting=screen.waiting,
                 interrupts=interrupts,
             )
-        show(done, as_json, video)
+        show(done, as_json, video, picture)
         code = done.result.exit_code or int(done.video_error is not None)
     except (UsageError, VideoError, WorldError) as error:
         print(error, file=sys.stderr)
@@ -147,7 +172,7 @@ def run(
     raise typer.Exit(EXIT_CODE if interrupts.noted else code)
 
 
-def show(done: Run, as_json: bool, video: Path | None) -> None:
+def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> None:
     """Print the result, to the last byte; whoever reads it may have enough before."""
     if done.video_error is not None:
         print(done.video_error, file=sys.stderr)
@@ -159,5 +184,6 @@ def show(done: Run, as_json: bool, video: Path | None) -> None:
         else:
             from troupe.summary import summary  # noqa: PLC0415
 
-            print(summary(done.result, video if done.video_error is None else None))
+            made = (video, picture) if done.video_error is None else (None, None)
+            print(summary(done.result, *made))
         sys.stdout.flush()

@@ -37,7 +37,7 @@ def painters(picture: Picture, cells: np.ndarray, time: float) -> FrameView:
         ranges = np.minimum(np.minimum(sideways, upwards), 20)
         scans.append((robot, (x, y, yaw), np.pi, ranges))
     return FrameView(
-        time, np.array(poses), [GREEN] * 4, 150.0, 0.5, ["", "at goal", "", ""], scans, cells, 0.05
+        time, np.array(poses), [GREEN] * 4, 0.5, ["", "at goal", "", ""], scans=scans, floor=cells
     )
 
 

@@ -18,7 +18,7 @@ from sim.video import Backdrop, FrameView
 from sim.video.errors import VideoError
 from sim.video.recorder import Recorder
 from sim.video.sink import Sink
-from sim.video.writer import WAITING, FrameWriter
+from sim.video.writer import REPEATS, WAITING, FrameWriter
 
 GREEN, BLUE = 0x00FF00, 0x0000FF
 SIZE = (320, 416)
@@ -37,7 +37,7 @@ def film(path: Path, backdrop: Backdrop, seconds: float = 20.0, **options: objec
         for tick in range(round(seconds * 10) + 1):
             time = tick * 0.1
             if recorder.wants(time):
-                recorder.frame(FrameView(time, drive(time), [GREEN, BLUE], 100.0, 0.25))
+                recorder.frame(FrameView(time, drive(time), [GREEN, BLUE], 0.25))
     return recorder
 
 
@@ -91,20 +91,21 @@ def test_robots_are_where_they_should_be_in_every_frame(arena: Backdrop, tmp_pat
     for index, image in enumerate(decoded(tmp_path / "run.mp4")):
         time = np.ceil(index * 4 - 1e-9) / 10  # 10 / 25 s of simulated time from frame to frame
         first, second = drive(time)[:, :2]
-        # Colours have half the resolution in H.264: 2 pixels of 1 / 18 m.
-        assert place_of(recorder, image, 1) == pytest.approx(first, abs=0.12)
-        assert place_of(recorder, image, 0) == pytest.approx(second, abs=0.12)
+        # Colours have half the resolution in H.264: 2 pixels of 1 / 18 m, and the tip of the arrow
+        # may hide one more.
+        assert place_of(recorder, image, 1) == pytest.approx(first, abs=0.17)
+        assert place_of(recorder, image, 0) == pytest.approx(second, abs=0.17)
         count += 1
     assert count == 51
 
 
 def test_colours_survive_the_encoding(arena: Backdrop, tmp_path: Path) -> None:
     recorder = film(tmp_path / "run.mp4", arena, 0.0, size=None)
-    drawn = recorder.picture.draw(FrameView(0.0, drive(0.0), [GREEN, BLUE], 100.0, 0.25))
+    drawn = recorder.picture.draw(FrameView(0.0, drive(0.0), [GREEN, BLUE], 0.25))
     shown = next(decoded(tmp_path / "run.mp4"))
     # Compression and halved colour resolution smear edges; inside of an area the colour stays
     # within 8 of 255, which is what limited range (219 steps) and quantisation leave.
-    for x, y in ((8.5, 10.5), (1.75, 4), (12, -0.1), (12.0, 2.8)):
+    for x, y in ((8.5, 10.5), (1.72, 4.28), (12, -0.1), (12.0, 2.8)):
         column, row = recorder.picture.projection.edges(np.array([x, y], float)).astype(int)
         assert shown[row, column].astype(int) == pytest.approx(drawn[row, column], abs=8)
 
@@ -258,6 +259,8 @@ def test_a_folder_without_the_right_to_write_is_refused_at_once(
         {"fps": float("nan")},
         {"speed": 0},
         {"speed": -1},
+        {"speed": 1e-9},
+        {"speed": 1e9},
         {"size": (3, 4)},
     ],
 )
@@ -269,6 +272,44 @@ def test_settings_that_cannot_be_are_refused_before_the_file_is_touched(
     with pytest.raises(VideoError, match=r"video (fps|speed|size)"):
         Recorder(path, arena, **options)  # type: ignore[arg-type]
     assert path.read_bytes() == b"yesterday's video"
+
+
+def test_a_link_to_itself_is_refused(arena: Backdrop, tmp_path: Path) -> None:
+    (tmp_path / "a.mp4").symlink_to("b.mp4")
+    (tmp_path / "b.mp4").symlink_to("a.mp4")
+    for path in (tmp_path / "a.mp4", tmp_path / "b.mp4" / "run.mp4"):
+        with pytest.raises(VideoError, match="leads back to itself"):
+            Recorder(path, arena)
+
+
+def test_a_pipe_without_a_reader_is_refused_at_once(arena: Backdrop, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "run.mp4")
+    with pytest.raises(VideoError, match=r"run\.mp4: is no plain file"):
+        Recorder(tmp_path / "run.mp4", arena)
+
+
+def test_a_name_that_is_too_long_is_refused(arena: Backdrop, tmp_path: Path) -> None:
+    with pytest.raises(VideoError, match="cannot be written"):
+        Recorder(tmp_path / f"{'x' * 300}.mp4", arena)
+    with pytest.raises(VideoError, match="cannot be written"):
+        Recorder(tmp_path / "null\0.mp4", arena)
+
+
+def test_an_interrupted_run_does_not_wait_for_the_frames_of_a_slow_film(
+    arena: Backdrop, tmp_path: Path
+) -> None:
+    asked = 0
+
+    def going_on() -> bool:
+        nonlocal asked
+        asked += 1
+        return asked < 3
+
+    with Recorder(tmp_path / "run.mp4", arena, fps=240, speed=0.01, size=SIZE) as recorder:
+        view = FrameView(10.0, np.empty((0, 3)), [])
+        recorder.frame(view, going_on=going_on)  # 240,001 frames are due
+    assert recorder.frames == 3 * REPEATS
+    assert sum(1 for _ in decoded(tmp_path / "run.mp4")) == 3 * REPEATS
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full here")
@@ -325,6 +366,28 @@ def test_frames_are_encoded_in_order_and_never_overwritten_while_they_wait() -> 
     writer.close()
     assert writer.error is None
     assert encoder.seen == [(number, number % 3 + 1) for number in range(200)]
+
+
+def test_many_frames_of_one_image_are_encoded_in_parts_and_none_is_lost() -> None:
+    class Counting:
+        seen: list[tuple[int, int]] = []  # noqa: RUF012
+
+        def write(self, image: np.ndarray, times: int) -> None:
+            self.seen.append((int(image[0, 0, 0]), times))
+
+        def close(self) -> None:
+            pass
+
+    encoder = Counting()
+    writer = FrameWriter(encoder, (4, 4, 3))
+    for number in range(1, 40):
+        image = writer.buffer()
+        image[:] = number
+        assert writer.put(image, 5 * number) == 5 * number
+    writer.close()
+    assert max(times for _, times in encoder.seen) <= REPEATS
+    for number in range(1, 40):
+        assert sum(times for shown, times in encoder.seen if shown == number) == 5 * number
 
 
 def test_without_pyav_opencv_makes_the_video_and_says_so(

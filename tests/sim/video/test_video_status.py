@@ -6,23 +6,40 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.video.status import GAP, MARGIN, StatusLine
-from sim.video.text import text_width
+from sim.video.status import GAP, MARGIN, StatusLine, status_entries
+from sim.video.text import Lettering
 from sim.video.view import FrameView
 
+PLAIN = Lettering()
 
-def drawn(time: float, speed: float | None) -> NDArray[np.uint8]:
+
+def line(film_speed: float | None = None) -> StatusLine:
+    return StatusLine((840, 26), "", 40.0, PLAIN, film_speed)
+
+
+def view(time: float) -> FrameView:
+    return FrameView(time=time, poses=np.empty((0, 3)), colors=())
+
+
+def drawn(time: float) -> NDArray[np.uint8]:
     """The status line (rows, width, 3) of a world without a title."""
     strip = np.zeros((26, 840, 3), np.uint8)
-    line = StatusLine(strip, "", 40.0)
-    line.draw(strip, FrameView(time=time, poses=np.empty((0, 3)), colors=(), speed=speed), 3)
+    line(10.0).draw_still(strip)
+    line(10.0).draw(strip, view(time), 3)
     return strip
 
 
 @pytest.mark.parametrize("time", [0.0, 120.0, 9999.9, 123456.7, 12345678.9])
 def test_the_time_does_not_run_into_what_stands_beside_it(time: float) -> None:
-    strip, still = drawn(time, 250.0), np.zeros((26, 840, 3), np.uint8)
-    StatusLine(still, "", 40.0)
-    end = MARGIN + text_width(f"{time:.1f} s")
+    strip, still = drawn(time), np.zeros((26, 840, 3), np.uint8)
+    line(10.0).draw_still(still)
+    end = MARGIN + PLAIN.width(f"{time:.1f} s")
     assert (strip[:, end : end + GAP] == still[:, end : end + GAP]).all()
     assert (strip[:, end + GAP :] != still[:, end + GAP :]).any()  # the next entry is there
+
+
+def test_a_film_tells_its_own_speed_and_a_picture_tells_none() -> None:
+    assert [text for text, _ in status_entries(view(3.0), 2, 2.5)] == [
+        "3.0 s", "film: 2.5 x", "2 robots",
+    ]  # fmt: skip
+    assert [text for text, _ in status_entries(view(3.0), 1)] == ["3.0 s", "1 robot"]
