@@ -109,7 +109,7 @@ def physics_mistakes(world: World) -> list[Mistake]:
 
 def _moving(world: World) -> Iterator[tuple[tuple[str | int, ...], Any, Drive | None]]:
     """Where in the file a body that moves is described, the body, and its drive."""
-    used = [entry.model for entry in (*world.robots, *world.doors)]
+    used = [robot.model for robot in world.robots] + [door.model for door in world.doors]
     for name in dict.fromkeys(used):
         if name in world.models:
             yield ("models", name), world.models[name].body, world.models[name].drive
