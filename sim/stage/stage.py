@@ -15,6 +15,7 @@ from sim.stage.closing import pieces
 from sim.stage.contacts import Touches
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
+from sim.stage.limits import DEEPEST
 from sim.stage.meeting import CALM, look_around
 from sim.stage.physics import Physics, pose_of
 from sim.stage.putting import Places
@@ -23,9 +24,6 @@ from sim.stage.trace import NO_WAYS, NOBODY, Trace
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
-
-ROUNDING = 1e-6
-"""Share by which a speed in doubles may seem to pass a limit that it keeps."""
 
 
 class Stage:
@@ -232,7 +230,8 @@ class Stage:
                 state, movers, count, order, clear.cells, clear.cell, physics.outlines,
                 physics.sides, dt,
             )  # fmt: skip
-            if quickest > fastest * (1.0 + ROUNDING):  # thrown by something that turns
+            # Thrown by something that turns, so that it could meet who was not looked at.
+            if (quickest - fastest) * self._interval > DEEPEST:
                 fastest = self._look_around()
                 state = physics.table.state
                 cuts, rounds, _ = pieces(
