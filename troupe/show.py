@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from time import monotonic
 from types import TracebackType
 from typing import Any, Self
 
+from sim.printable import printable_lines
+
 REDRAW = 0.1
 """Wall-clock seconds between two looks at the bar."""
-
-
-CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
-"""What a terminal would obey, or be led astray by, instead of showing it."""
 
 
 class Screen:
@@ -55,7 +52,7 @@ class Screen:
         """Print a line, with signs in place of characters that a terminal would obey."""
         if self.quiet:
             return
-        line = shown(line)
+        line = printable_lines(line)
         if self.bar is not None:
             self.bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
@@ -82,8 +79,3 @@ class Screen:
             speed=f"{engine.speed or 0.0:.0f} x real time",
             coverage=painted,
         )
-
-
-def shown(line: str) -> str:
-    """A line with its control characters written out: programs print anything."""
-    return CONTROLS.sub(lambda match: match[0].encode("unicode_escape").decode(), line)

@@ -6,6 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from sim.printable import printable
+
 
 @dataclass(frozen=True)
 class Mistake:
@@ -26,12 +28,13 @@ class Mistake:
     at_key: bool = False
 
     def __str__(self) -> str:
+        """One line; what the file says in it is shown without anything that a terminal obeys."""
         place = [str(part) for part in (self.file, self.line, self.column) if part is not None]
         heads = [":".join(place), ".".join(str(key) for key in self.where)]
         text = ": ".join([head for head in heads if head] + [self.what])
         notes = [f"given: {self.given}"] if self.given is not None else []
         notes += [f"allowed: {self.allowed}"] if self.allowed is not None else []
-        return f"{text} ({'; '.join(notes)})" if notes else text
+        return printable(f"{text} ({'; '.join(notes)})" if notes else text)
 
 
 class WorldError(ValueError):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.processes import environment
-from troupe.show import Screen, shown
+from troupe.show import Screen
 
 World = Callable[..., Path]
 
@@ -54,20 +54,6 @@ def test_a_name_that_the_terminal_cannot_show_is_written_out(tmp_path: Path) -> 
     done = shell(f"troupe check {path}", PYTHONIOENCODING="ascii")
     assert done.returncode == 0, done.stderr
     assert "w\\xf6rld.yaml: ok" in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("line", "safe"),
-    [
-        ("\x1b[2J\x1b]0;title\x07gone", "\\x1b[2J\\x1b]0;title\\x07gone"),
-        ("50 %\r100 %", "50 %\\r100 %"),
-        ("\x9b31mred", "\\x9b31mred"),
-        ("\u202eesrever", "\\u202eesrever"),
-        ("tab\tand é, 一, 🤖 stay", "tab\tand é, 一, 🤖 stay"),
-    ],
-)
-def test_what_a_terminal_would_obey_is_shown_as_text(line: str, safe: str) -> None:
-    assert shown(line) == safe
 
 
 def test_a_controllers_escape_codes_do_not_reach_the_terminal(
