@@ -32,6 +32,8 @@ class Screen:
                 TextColumn("{task.fields[coverage]}"),
                 console=Console(stderr=True),
                 transient=True,
+                redirect_stdout=False,  # what others print goes through our streams, not past them
+                redirect_stderr=False,
             )
 
     def __enter__(self) -> Self:

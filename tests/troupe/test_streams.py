@@ -68,3 +68,45 @@ def test_a_controllers_escape_codes_do_not_reach_the_terminal(
     assert "[one] \\x1b[31mred" in told
     assert "\x1b" not in told
     assert "\x1b[31mred" in (result.robot("one").error or "")  # the result has the very bytes
+
+
+def test_nothing_foreign_that_a_command_prints_is_obeyed_by_the_terminal(tmp_path: Path) -> None:
+    """Names of files, keys, references and programs of a world; each by another way out."""
+    evil = "\x1b]0;pwned\x07\x1b[2J\u202e"
+    folder = tmp_path / f"world{evil}s"
+    folder.mkdir()
+    good = "models: {r: {body: {shape: circle, radius: 0.3}}}\n"
+    quoted = evil.encode("unicode_escape").decode()
+    (folder / f"good{evil}.yaml").write_text(
+        f'size: [5, 5]\n{good}robots: [{{model: r, pose: [1, 1, 0], controller: "a{quoted}"}}]\n'
+        f'controllers: {{"a{quoted}": {{external: true}}}}\n'
+    )
+    (folder / f"bad{evil}.yaml").write_text(
+        f'size: [5, 5]\n{good}"{quoted}": 1\nname: {{"{quoted}": 2}}\n'
+        f'robots: [{{model: "x{quoted}", pose: [1, 1, 0], controller: "y{quoted}"}}]\n'
+        f'map: {{file: "z{quoted}.png", resolution: 1}}\n'
+        f'controllers: {{"c{quoted}": {{program: "./p{quoted}.py"}}}}\n'
+        f'include: "i{quoted}.yaml"\n'
+    )
+    words = [sys.executable, "-m", "troupe"]
+    for command in (
+        ["check", f"{folder}/good{evil}.yaml", f"{folder}/bad{evil}.yaml", f"{folder}/no{evil}"],
+        ["run", f"{folder}/bad{evil}.yaml"],
+        ["run", f"{folder}/good{evil}.yaml", "--video", f"{folder}/gone{evil}/a.mp4"],
+        ["run", "wander", "--listen", f"{evil}:1"],
+        ["run", "wander", "--set", f"{evil}=1"],
+        ["import", f"{folder}/no{evil}.world"],
+        ["run", f"{folder}/good{evil}.yaml", "--duration", "0.1", "--patience", "0.1"],
+    ):
+        done = subprocess.run(
+            [*words, *command], env=environment(), capture_output=True, check=False, timeout=600
+        )
+        told = (done.stdout + done.stderr).decode()
+        assert done.returncode in (1, 2)
+        assert "pwned" in told
+        assert not {character for character in told if character in "\x1b\x07\u202e"}
+
+
+def test_our_own_colours_reach_a_terminal() -> None:
+    done = shell("troupe --help", FORCE_COLOR="1", TERM="xterm")
+    assert "\x1b[1m" in done.stdout
