@@ -7,6 +7,9 @@ import re
 from functools import cache
 from pathlib import Path
 
+LARGEST_PROGRAM = 10_000_000
+"""Bytes of a Python file."""
+
 _RUNS_AS_PROGRAM = re.compile(r"""^if __name__ == ["']__main__["']:""", re.MULTILINE)
 
 
