@@ -145,7 +145,10 @@ def run_and_print(
 
 def parse_listen(text: str) -> tuple[str, int]:
     """`HOST:PORT`, or a port alone, as (host, port); raises UsageError."""
+    from sim.worldfile.values import is_host  # noqa: PLC0415 - `troupe --help` stays quick
+
     host, _, port = text.rpartition(":")
-    if not port.isdecimal() or not 0 <= int(port) <= 65535:
+    host = host.strip("[]") or "127.0.0.1"
+    if not (port.isdecimal() and len(port) < 6 and int(port) <= 65535 and is_host(host)):
         raise UsageError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
-    return host.strip("[]") or "127.0.0.1", int(port)
+    return host, int(port)
