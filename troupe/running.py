@@ -206,11 +206,14 @@ def plain(value: Any) -> Any:
 
 def parse_listen(listen: Address) -> tuple[str, int]:
     """`HOST:PORT`, or a port alone, as (host, port); raises UsageError."""
+    from sim.worldfile.values import is_host  # noqa: PLC0415 - `troupe --help` stays quick
+
     if isinstance(listen, str):
         host, _, port = listen.rpartition(":")
-        number = int(port) if port.isascii() and port.isdecimal() else -1
+        number = int(port) if port.isascii() and port.isdecimal() and len(port) < 6 else -1
     else:
         host, number = listen
-    if not 0 <= number <= 65535:
+    host = host.strip("[]") or "127.0.0.1"
+    if not (0 <= number <= 65535 and is_host(host)):
         raise UsageError(f"listen {listen!r}: must be HOST:PORT, such as 127.0.0.1:6665")
-    return host.strip("[]") or "127.0.0.1", number
+    return host, number

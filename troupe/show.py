@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Mapping
 from time import monotonic
@@ -15,6 +14,8 @@ from troupe.interrupts import last_acts
 if TYPE_CHECKING:
     from sim.engine import Engine
 
+from sim.printable import printable_lines
+
 REDRAW = 0.1
 """Wall-clock seconds between two looks at the bar."""
 
@@ -23,10 +24,6 @@ TOLD_AFTER = 2.0
 
 MOST_NAMED = 3
 """Robots that the bar names while the world waits for them."""
-
-
-CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
-"""What a terminal would obey, or be led astray by, instead of showing it."""
 
 
 class Screen:
@@ -49,6 +46,8 @@ class Screen:
                 TextColumn("{task.fields[waiting]}"),
                 console=Console(stderr=True),
                 transient=True,
+                redirect_stdout=False,  # what others print goes through our streams, not past them
+                redirect_stderr=False,
             )
 
     def __enter__(self) -> Self:
@@ -71,7 +70,7 @@ class Screen:
 
     def warn(self, line: str) -> None:
         """The same for what is not to be overlooked: also when quiet."""
-        line = shown(line)
+        line = printable_lines(line)
         if self.bar is not None:
             self.bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
@@ -122,8 +121,3 @@ def awaited(late: Mapping[str, float]) -> str:
 def show_cursor() -> None:
     """The bar has hidden it."""
     os.write(2, b"\x1b[?25h\r\n")
-
-
-def shown(line: str) -> str:
-    """A line with its control characters written out: programs print anything."""
-    return CONTROLS.sub(lambda match: match[0].encode("unicode_escape").decode(), line)

@@ -1,12 +1,18 @@
-"""The command's standard input, output and error: open, fit for any text, never a traceback."""
+"""The command's standard input, output and error: open, fit for any text, never a traceback.
+
+Whatever a command prints goes through here, and with it all that others have written: names of
+files, keys of worlds, answers of servers. So here it is made safe for a terminal, once for all.
+"""
 
 from __future__ import annotations
 
 import io
 import sys
-from typing import TYPE_CHECKING, TextIO
+from traceback import print_exception
+from typing import TYPE_CHECKING, Any, TextIO
 
 from sim.fleet.forkserver import hold_standard_descriptors
+from sim.printable import printable_lines
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -54,14 +60,41 @@ def prepare_streams() -> None:
         sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - as long as we live
     sys.stdout = _writer(sys.stdout, 1, vital=True)
     sys.stderr = _writer(sys.stderr, 2, vital=False)
+    sys.excepthook = print_exception  # without the colours that Python 3.13 and later add
+
+
+class Writer(io.TextIOWrapper):
+    """Text to a descriptor, with signs in place of characters that a terminal would obey.
+
+    rich writes its own codes (colours, the bar) past that: to what it finds as `rich_proxied_file`.
+    """
+
+    def __init__(self, raw: Descriptor, encoding: str) -> None:
+        line_by_line = not raw.vital or raw.isatty()
+        buffer = io.BufferedWriter(raw)
+        super().__init__(buffer, encoding, "backslashreplace", line_buffering=line_by_line)
+        self.rich_proxied_file = _Unchanged(self)
+
+    def write(self, text: str, /) -> int:
+        super().write(printable_lines(text))
+        return len(text)
+
+    def write_unchanged(self, text: str) -> int:
+        """Write text with its control characters."""
+        return super().write(text)
+
+
+class _Unchanged:
+    """A writer as rich sees it: what it writes is written as it is."""
+
+    def __init__(self, writer: Writer) -> None:
+        self._writer = writer
+        self.write = writer.write_unchanged
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._writer, name)
 
 
 def _writer(known: TextIO | None, number: int, *, vital: bool) -> TextIO:
     """A text file on a descriptor, in the encoding that Python has found."""
-    raw = Descriptor(number, vital)
-    return io.TextIOWrapper(
-        io.BufferedWriter(raw),
-        encoding="utf-8" if known is None else known.encoding,
-        errors="backslashreplace",
-        line_buffering=not vital or raw.isatty(),
-    )
+    return Writer(Descriptor(number, vital), "utf-8" if known is None else known.encoding)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from sim.printable import printable
 from sim.result import Result, RobotRecord
 
 MOST_ROBOTS = 40
@@ -20,7 +21,7 @@ OUTCOMES = {
 def summary(result: Result, video: Path | None = None, picture: Path | None = None) -> str:
     """The result for people."""
     lines = [
-        f"{result.world}, seed {result.seed}: {OUTCOMES[result.outcome]}",
+        printable(f"{result.world}, seed {result.seed}: {OUTCOMES[result.outcome]}"),
         f"{result.sim_time:.1f} s simulated in {result.wall_time:.2f} s: "
         f"{result.speed:.0f} x real time, {result.ticks} ticks",
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from sim.worldfile.mistakes import Mistake, WorldError, listed, suggestion
@@ -37,17 +38,19 @@ def find_world(world: str | Path) -> Path:
     """
     text = str(world)
     path = Path("/dev/stdin" if text == "-" else world)
-    if path.exists() and (not path.is_dir() or isinstance(world, Path)):
+    if os.path.exists(path) and (not path.is_dir() or isinstance(world, Path)):
         return path
     folder = worlds_folder()
     if folder is not None and Path(text).name == text and text not in ("", ".", ".."):
         for suffix in ("", *SUFFIXES):
             shipped = folder / f"{text}{suffix}"
-            if shipped.is_file() and shipped.suffix in SUFFIXES:
+            if os.path.isfile(shipped) and shipped.suffix in SUFFIXES:
                 return shipped
     names = world_names()
     near = _beside(path) or suggestion(path.stem, names)
-    what = "is a folder, not a world file" if text and path.is_dir() else f"no such world{near}"
+    what = (
+        "is a folder, not a world file" if text and os.path.isdir(path) else f"no such world{near}"
+    )
     allowed = (
         f"a file, or a world that comes with Troupe: {listed(names, 30)}" if names else "a file"
     )

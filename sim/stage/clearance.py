@@ -34,7 +34,7 @@ class Clearance:
 def clearance_of(layout: Layout) -> Clearance:
     """The distance field of a layout's solids over its size."""
     width, height = layout.size
-    cell = max(FINEST, math.sqrt(width * height / MOST_CELLS))
+    cell = max(FINEST, math.sqrt(width * height / MOST_CELLS), max(width, height) / MOST_CELLS)
     cells = np.full((math.ceil(height / cell), math.ceil(width / cell)), FARTHEST, dtype=np.uint8)
     for solid in layout.solids:
         outline = solid.vertices
@@ -50,13 +50,38 @@ def clearance_of(layout: Layout) -> Clearance:
 
 def _mark(cells: NDArray[np.uint8], cell: float, vertices: Floats) -> None:
     """Mark cells along an outline, by points half a cell apart, and those just off the raster."""
+    rows, columns = cells.shape
+    low, high = np.full(2, -cell), np.array([columns + 1, rows + 1]) * cell
     for start, end in zip(vertices, np.roll(vertices, -1, axis=0), strict=True):
         pieces = math.ceil(2.0 * math.dist(start, end) / cell) + 1
-        points = start + np.linspace(0.0, 1.0, pieces + 1)[:, None] * (end - start)
+        first, last = _within(start, end, low, high)
+        if first > last:
+            continue
+        # Only what is on the raster: a wall may be as long as it likes.
+        steps = np.arange(max(0, int(first * pieces) - 1), min(pieces, int(last * pieces) + 2) + 1)
+        points = start + (steps * (1.0 / pieces))[:, None] * (end - start)
+        if steps[-1] == pieces:
+            points[-1] = start + (end - start)
         column, row = np.floor(points.T / cell).astype(np.int64)
-        rows, columns = cells.shape
         near = (column >= -1) & (column <= columns) & (row >= -1) & (row <= rows)
         cells[np.clip(row[near], 0, rows - 1), np.clip(column[near], 0, columns - 1)] = 0
+
+
+def _within(start: Floats, end: Floats, low: Floats, high: Floats) -> tuple[float, float]:
+    """The part of a segment that is in an upright box, from 0 at its start to 1 at its end.
+
+    The slab method: per axis the parts at which the box is entered and left. The first is more
+    than the last where the segment misses the box.
+    """
+    first, last = 0.0, 1.0
+    for here, there, least, most in zip(start, end, low, high, strict=True):
+        if here == there:
+            if not least <= here <= most:
+                return 1.0, 0.0
+            continue
+        one, other = (least - here) / (there - here), (most - here) / (there - here)
+        first, last = max(first, min(one, other)), min(last, max(one, other))
+    return float(first), float(last)
 
 
 @compiled

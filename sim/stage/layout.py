@@ -21,7 +21,13 @@ from sim.stage.geometry import (
     rectangle,
 )
 from sim.stage.imagemap import read_image_map
-from sim.stage.raster import Raster, merged_outlines, rectangles_in_world
+from sim.stage.raster import (
+    MOST_OUTLINES,
+    Raster,
+    TooRagged,
+    merged_outlines,
+    rectangles_in_world,
+)
 from sim.stage.textmap import read_text_map
 from sim.worldfile.mistakes import Mistake, WorldError
 
@@ -170,6 +176,14 @@ def build_layout(world: World, folder: Path) -> Layout:
         insides.append(Solid(ring[::-1], wall.color, wall.height, wall.friction))
     if raster is not None and world.map is not None:
         color, height, friction = world.map.color, world.map.height, world.map.friction
+        try:
+            outlines = merged_outlines(raster)
+        except TooRagged:
+            what = f"the map's walls have more than {MOST_OUTLINES} edges"
+            allowed = "plain dark walls on a light ground, as in a floorplan"
+            raise WorldError(
+                [Mistake(("map", "file"), what, str(world.map.file), allowed)]
+            ) from None
         blocks = [
             Solid(rectangle(*edges), color, height, friction, group)
             for edges in rectangles_in_world(raster)
@@ -177,7 +191,7 @@ def build_layout(world: World, folder: Path) -> Layout:
         solids += blocks
         insides += blocks
         group += 1
-        faces.add(merged_outlines(raster), color, height)
+        faces.add(outlines, color, height)
     movables: list[Movable] = []
     obstacles: list[Floats] = []
     for entry in world.obstacles:

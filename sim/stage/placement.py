@@ -250,12 +250,10 @@ def check_start(
                 allowed += ", and within the region, whose edges are walls"
             mistakes.append(Mistake(where, "the robot starts outside of the world", given, allowed))
             continue
-        for other in room.overlapped(vertices, TOUCH):
-            if other < first:
-                what = "the robot starts in a wall or an obstacle"
-                mistakes.append(Mistake(where, what, given, "a free place"))
-                break
-            what = f"the robot starts in robot {names[other - first]}"
+        other = next(room.overlapped(vertices, TOUCH), None)  # the first one tells enough
+        if other is not None:
+            what = "a wall or an obstacle" if other < first else f"robot {names[other - first]}"
+            what = f"the robot starts in {what}"
             mistakes.append(Mistake(where, what, given, "a free place"))
         room.occupy(vertices, 0.0)
         names.append(robot.name)

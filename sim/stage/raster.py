@@ -11,6 +11,16 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
+MOST_OUTLINES = 250_000
+"""Segments of the outlines of a map's walls. A floorplan has some thousands; a photograph has one
+for every grain."""
+_CELLS_AT_ONCE = 1_000_000
+
+
+class TooRagged(ValueError):
+    """Walls that are too many small pieces for a world: more than `MOST_OUTLINES` segments."""
+
+
 @dataclass(frozen=True)
 class Raster:
     """Walls as cells: `walls` (rows, columns) bool with row 0 at the top, `cell` in metres.
@@ -49,16 +59,28 @@ class Raster:
         return found
 
 
-def _runs(marks: NDArray[np.int8]) -> NDArray[np.int64]:
-    """Runs of equal non-zero marks along each row of (rows, columns): (k, 3) row, start, end."""
+def _runs(marks: NDArray[np.int8], most: int | None = None) -> NDArray[np.int64]:
+    """Runs of equal non-zero marks along each row of (rows, columns): (k, 3) row, start, end.
+
+    Raises TooRagged where there are more than `most`.
+    """
     rows, columns = marks.shape
-    padded = np.zeros((rows, columns + 2), dtype=np.int8)
-    padded[:, 1:-1] = marks
-    changes = padded[:, 1:] != padded[:, :-1]
-    row, column = np.nonzero(changes & (padded[:, 1:] != 0))
-    end_row, end_column = np.nonzero(changes & (padded[:, :-1] != 0))
-    assert np.array_equal(row, end_row)
-    return np.stack([row, column, end_column], axis=1)
+    found: list[NDArray[np.int64]] = []
+    count = 0
+    band = max(1, _CELLS_AT_ONCE // (columns + 2))
+    for first in range(0, rows, band):
+        part = marks[first : first + band]
+        padded = np.zeros((len(part), columns + 2), dtype=np.int8)
+        padded[:, 1:-1] = part
+        changes = padded[:, 1:] != padded[:, :-1]
+        row, column = np.nonzero(changes & (padded[:, 1:] != 0))
+        end_row, end_column = np.nonzero(changes & (padded[:, :-1] != 0))
+        assert np.array_equal(row, end_row)
+        count += len(row)
+        if most is not None and count > most:
+            raise TooRagged
+        found.append(np.stack([row + first, column, end_column], axis=1))
+    return np.concatenate([np.zeros((0, 3), np.int64), *found])
 
 
 def merged_rectangles(walls: Bools) -> NDArray[np.int64]:
@@ -69,14 +91,15 @@ def merged_rectangles(walls: Bools) -> NDArray[np.int64]:
     """
     done: list[tuple[int, int, int, int]] = []
     growing: dict[tuple[int, int], int] = {}  # (start, end) -> row of its top
-    by_row: list[list[tuple[int, int]]] = [[] for _ in range(walls.shape[0])]
-    for row, start, end in _runs(walls.astype(np.int8)).tolist():
-        by_row[row].append((start, end))
-    for row, runs in enumerate([*by_row, []]):
-        here = set(runs)
+    rows = len(walls)
+    fresh = np.ones(rows, np.bool_)  # rows that are not as the one above them
+    fresh[1:] = (walls[1:] != walls[:-1]).any(axis=1)
+    for row in [*np.flatnonzero(fresh).tolist(), rows]:
+        runs = _runs(walls[row : row + 1].astype(np.int8))[:, 1:].tolist() if row < rows else []
+        here = {(start, end) for start, end in runs}
         for span in [span for span in growing if span not in here]:
             done.append((span[0], growing.pop(span), span[1], row))
-        for span in runs:
+        for span in here:
             growing.setdefault(span, row)
     return np.array(sorted(done, key=lambda r: (r[1], r[0])), dtype=np.int64).reshape(-1, 4)
 
@@ -94,14 +117,17 @@ def merged_outlines(raster: Raster) -> Floats:
     """Edges between wall and free cells, merged to long segments: (m, 4) x1, y1, x2, y2.
 
     What lies off the raster is free, so that a wall at its edge is closed. A segment ends where
-    wall and free side swap, hence at every corner.
+    wall and free side swap, hence at every corner. Raises TooRagged.
     """
     walls, cell = raster.walls, raster.cell
     rows, columns = walls.shape
     padded = np.zeros((rows + 2, columns + 2), dtype=np.int8)
     padded[1:-1, 1:-1] = walls
-    level = _runs(padded[1:, 1:-1] - padded[:-1, 1:-1])  # edge row r lies above cell row r
-    upright = _runs((padded[1:-1, 1:] - padded[1:-1, :-1]).T.copy())  # edge column c, left of c
+    level = _runs(
+        padded[1:, 1:-1] - padded[:-1, 1:-1], MOST_OUTLINES
+    )  # edge row r lies above cell row r
+    across_columns = (padded[1:-1, 1:] - padded[1:-1, :-1]).T.copy()
+    upright = _runs(across_columns, MOST_OUTLINES - len(level))  # edge column c, left of c
     height = rows * cell
     across = np.stack(
         [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -108,10 +110,11 @@ class Room:
         x = np.concatenate([start[:, 0] + part * (end[:, 0] - start[:, 0]), end[rise == 0.0, 0]])
         return float(x.min()), float(x.max())
 
-    def overlapped(self, vertices: Floats, tolerance: float) -> list[int]:
+    def overlapped(self, vertices: Floats, tolerance: float) -> Iterator[int]:
         """Numbers of the outlines that overlap this one by more than `tolerance` metres."""
-        near = self._near(vertices.min(axis=0), vertices.max(axis=0))
-        return [i for i in near if separation(vertices, self._outlines[i]) < -tolerance]
+        for index in self._near(vertices.min(axis=0), vertices.max(axis=0)):
+            if separation(vertices, self._outlines[index]) < -tolerance:
+                yield index
 
     def _near(self, low: Floats, high: Floats) -> list[int]:
         bounds = self._bounds[: len(self._outlines)]

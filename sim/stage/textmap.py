@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.worldfile.mistakes import Mistake, WorldError
+from sim.worldfile.reading import NotRead, read_regular
 
 WHERE = ("map", "file")
 SIGNS = "# (wall), . (free) and S (a door)"
+MOST_BYTES = 20_000_000
+"""Of a text map: 4400 x 4400 characters."""
 MOST_MISTAKES = 20
 """A file that is no text map at all is told in so many lines, not in thousands."""
 
@@ -41,40 +46,41 @@ def parse_text_map(text: str, file: str) -> TextMap:
     if not lines:
         raise WorldError([Mistake(WHERE, "the map is empty", None, SIGNS, file, 1, 1)])
     width = len(lines[0])
-    mistakes: list[Mistake] = []
-    for number, line in enumerate(lines, start=1):
-        if len(line) != width:
-            mistakes.append(
-                Mistake(
-                    WHERE,
-                    "all lines of a map must be equally long",
-                    f"{len(line)} characters",
-                    f"{width}, as in the first line",
-                    file,
-                    number,
-                    min(len(line), width) + 1,
-                )
-            )
-        mistakes.extend(
-            Mistake(WHERE, "unknown character in the map", repr(sign), SIGNS, file, number, column)
-            for column, sign in enumerate(line, start=1)
-            if sign not in "#.S"
-        )
+    mistakes = list(islice(_mistakes(lines, file), MOST_MISTAKES))
     if mistakes:
-        raise WorldError(mistakes[:MOST_MISTAKES])
-    signs = np.array([list(line) for line in lines])
+        raise WorldError(mistakes)
+    signs = np.array(lines).view("U1").reshape(len(lines), width)
     doors = tuple((int(column), int(row)) for row, column in np.argwhere(signs == "S"))
     return TextMap(signs == "#", doors)
+
+
+def _mistakes(lines: list[str], file: str) -> Iterator[Mistake]:
+    width = len(lines[0])
+    for number, line in enumerate(lines, start=1):
+        if len(line) != width:
+            yield Mistake(
+                WHERE,
+                "all lines of a map must be equally long",
+                f"{len(line)} characters",
+                f"{width}, as in the first line",
+                file,
+                number,
+                min(len(line), width) + 1,
+            )
+        if not line.strip("#.S"):
+            continue  # none that is unknown
+        for column, sign in enumerate(line, start=1):
+            if sign not in "#.S":
+                what = "unknown character in the map"
+                yield Mistake(WHERE, what, repr(sign), SIGNS, file, number, column)
 
 
 def read_text_map(path: Path) -> TextMap:
     """Read a text map from a file; WorldError where it is missing or not UTF-8 text."""
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = read_regular(path, MOST_BYTES).decode("utf-8")
     except UnicodeDecodeError:
         raise WorldError([Mistake(WHERE, "the map is not a text file", str(path))]) from None
-    except OSError as error:
-        raise WorldError(
-            [Mistake(WHERE, f"the map cannot be read: {error.strerror}", str(path))]
-        ) from None
+    except NotRead as error:
+        raise WorldError([Mistake(WHERE, f"the map {error}", str(path))]) from None
     return parse_text_map(text, str(path))

@@ -13,6 +13,7 @@ from sim.worldfile.mistakes import Mistake, listed, suggestion
 from sim.worldfile.nodes import ListNode, MappingNode, Mark, Node, ScalarNode
 from sim.worldfile.programs import is_file_name
 from sim.worldfile.reader import Unreadable, read_text
+from sim.worldfile.reading import NotRead, NotThere, is_stream, read_regular, read_stream
 
 MOST_FILES = 200
 """Files that a world may include, each counted as often as it is read."""
@@ -100,21 +101,18 @@ class FileSet:
         return MappingNode(root.mark, below.items, below.keys, below.size)
 
     def _text(self, path: Path, asked: Mistake | None) -> str | None:
+        if os.path.isdir(path):
+            self._refuse(asked, path, "is a folder, not a world file")
+            return None
+        # The world file itself may come through a pipe.
+        read = read_stream if asked is None and is_stream(path) else read_regular
         try:
-            if path.is_dir():
-                self._refuse(asked, path, "is a folder, not a world file")
-                return None
-            with path.open("rb") as file:
-                data = file.read(LARGEST + 1)
-        except FileNotFoundError:
+            data = read(path, LARGEST)
+        except NotThere:
             self._refuse(asked, path, "no such file" + _beside(path))
             return None
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            self._refuse(asked, path, f"cannot be read: {reason}")
-            return None
-        if len(data) > LARGEST:
-            self._refuse(asked, path, f"is larger than {LARGEST // 1_000_000} MB")
+        except NotRead as error:
+            self._refuse(asked, path, str(error))
             return None
         if b"\0" in data:
             self._refuse(None, path, "is a binary file, not a world file in YAML")
@@ -145,7 +143,7 @@ class FileSet:
 
 def folder_of(path: Path) -> Path:
     """Where relative names in a world file start: its folder; the current one for a pipe."""
-    if path.exists() and not path.is_file() and not path.is_dir():
+    if is_stream(path):
         return Path.cwd()
     return path.resolve().parent
 

@@ -14,10 +14,10 @@ from sim.worldfile import nodes
 from sim.worldfile.crowds import crowd_mistakes
 from sim.worldfile.extents import period_mistakes, physics_mistakes, port_mistakes, size_mistakes
 from sim.worldfile.files import FileSet, folder_of, rebased
-from sim.worldfile.mistakes import Mistake, WorldError
+from sim.worldfile.mistakes import Mistake, WorldError, suggestion
 from sim.worldfile.nodes import MappingNode
 from sim.worldfile.references import reference_mistakes
-from sim.worldfile.robots import RobotSpec, expanded, name_mistakes
+from sim.worldfile.robots import RobotSpec, expanded, name_mistakes, number_mistakes
 from sim.worldfile.salvage import Salvaged, salvage
 from sim.worldfile.schema import World
 from sim.worldfile.sensing import with_settings
@@ -69,13 +69,14 @@ def load(path: str | Path, *, settings: Sequence[str] = ()) -> LoadedWorld:
     if root is None:
         raise WorldError(files.mistakes)
     mistakes = files.mistakes
+    written = root
     for setting in settings:
         try:
             root = with_setting(root, setting)
         except Refused as error:
             mistakes += error.mistakes
     loaded, found = _checked(root, path, complete=files.complete)
-    mistakes += located(found, root)
+    mistakes += [_meant(mistake, written) for mistake in located(found, root)]
     if mistakes or loaded is None:
         raise WorldError(in_order(mistakes, files.names))
     return loaded
@@ -101,6 +102,9 @@ def _checked(
     mistakes += reference_mistakes(data, found, folder)
     entries = [(found.index(("robots",), i), one) for i, one in enumerate(world.robots)]
     doors = [(found.index(("doors",), i), one) for i, one in enumerate(world.doors)]
+    crowd = number_mistakes(entries)
+    if crowd:
+        return None, mistakes + crowd
     robots = tuple(expanded(entries))
     mistakes += name_mistakes(robots, doors)
     mistakes += port_mistakes(world, len(robots))
@@ -154,6 +158,24 @@ def _laid_out(
         return layout, place(layout, known, world.models, world.seed), mistakes
     except WorldError as error:
         return layout, None, mistakes + error.mistakes
+
+
+def _meant(mistake: Mistake, written: MappingNode) -> Mistake:
+    """A mistake in what a setting has made under a name that the file does not have.
+
+    More likely than another model or controller, with too little in it, one of the file's is meant.
+    """
+    part, *rest = mistake.where or ("",)
+    names = nodes.at(written, (part,))
+    if mistake.line is not None or not rest or part not in ("models", "controllers"):
+        return mistake
+    name = str(rest[0])
+    if not isinstance(names, MappingNode) or name in names.items:
+        return mistake
+    hint = suggestion(name, names.items)
+    if not hint:
+        return mistake
+    return replace(mistake, what=f"{mistake.what}; the file has no {part}.{name}{hint}")
 
 
 def _in_list(found: Salvaged, where: nodes.Path) -> nodes.Path:

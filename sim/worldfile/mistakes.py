@@ -6,6 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from sim.printable import printable
+
 
 @dataclass(frozen=True)
 class Mistake:
@@ -26,20 +28,40 @@ class Mistake:
     at_key: bool = False
 
     def __str__(self) -> str:
+        """One line; what the file says in it is shown without anything that a terminal obeys."""
         place = [str(part) for part in (self.file, self.line, self.column) if part is not None]
-        heads = [":".join(place), ".".join(str(key) for key in self.where)]
-        text = ": ".join([head for head in heads if head] + [self.what])
-        notes = [f"given: {self.given}"] if self.given is not None else []
-        notes += [f"allowed: {self.allowed}"] if self.allowed is not None else []
-        return f"{text} ({'; '.join(notes)})" if notes else text
+        heads = [":".join(place), ".".join(_cut(str(key), 80) for key in self.where)]
+        text = ": ".join([head for head in heads if head] + [_cut(self.what, 400)])
+        notes = [f"given: {_cut(self.given, 200)}"] if self.given is not None else []
+        notes += [f"allowed: {_cut(self.allowed, 600)}"] if self.allowed is not None else []
+        return printable(f"{text} ({'; '.join(notes)})" if notes else text)
+
+
+def _cut(text: str, most: int) -> str:
+    """A text without its middle where it is too long for a line."""
+    if len(text) <= most:
+        return text
+    half = most // 2 - 2
+    return f"{text[:half]}...{text[-half:]}"
+
+
+MOST_TOLD = 100
+"""Mistakes told one by one: who has more begins with the first ones anyway."""
 
 
 class WorldError(ValueError):
-    """A world that cannot be used; `mistakes` holds all that was found, in the files' order."""
+    """A world that cannot be used; `mistakes` holds all that was found, in the files' order.
+
+    Its text has the first `MOST_TOLD` of them, and says how many more there are.
+    """
 
     def __init__(self, mistakes: Iterable[Mistake]) -> None:
         self.mistakes: list[Mistake] = list(mistakes)
-        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))
+        lines = [str(mistake) for mistake in self.mistakes[:MOST_TOLD]]
+        more = len(self.mistakes) - len(lines)
+        if more:
+            lines.append(f"... and {more} more mistake{'s' if more > 1 else ''}")
+        super().__init__("\n".join(lines))
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str | None:

@@ -7,6 +7,9 @@ import re
 from functools import cache
 from pathlib import Path
 
+LARGEST_PROGRAM = 2_000_000
+"""Bytes of a Python file."""
+
 _RUNS_AS_PROGRAM = re.compile(r"""^if __name__ == ["']__main__["']:""", re.MULTILINE)
 
 
@@ -32,28 +35,20 @@ def _folders() -> tuple[Path, ...]:
 def find_program(name: str) -> str | None:
     """The module to run (`python -m`) for one of Troupe's controllers, or None.
 
-    A program is a module under `controllers` that ends in `if __name__ == "__main__":`, or a
-    package with a `__main__` module. `dispersal.robot` finds `controllers/dispersal/robot.py`.
+    A controller is a module right under `controllers` that ends in `if __name__ == "__main__":`,
+    or a package with a `__main__` module; what lies deeper are their parts.
     """
-    parts = name.split(".")
-    if not all(part.isidentifier() for part in parts):
-        return None
-    for folder in _folders():
-        path = folder.joinpath(*parts)
-        if (path / "__main__.py").is_file():
-            return f"controllers.{name}"
-        if _is_program(path.with_name(path.name + ".py")):
-            return f"controllers.{name}"
-    return None
+    return f"controllers.{name}" if name in programs() else None
 
 
-def programs() -> list[str]:
+@cache
+def programs() -> tuple[str, ...]:
     """The names of Troupe's controllers, sorted."""
     names: set[str] = set()
     for folder in _folders():
         names |= {entry.parent.name for entry in folder.glob("*/__main__.py")}
         names |= {entry.stem for entry in folder.glob("*.py") if _is_program(entry)}
-    return sorted(names)
+    return tuple(sorted(names))
 
 
 def _is_program(path: Path) -> bool:

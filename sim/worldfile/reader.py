@@ -144,7 +144,7 @@ class _Composition:
             key = self.key(event, key_mark, where)
             event = next(self.events)
             value = self.node(event, (*where, "?" if key is None else key))
-            if isinstance(event, yaml.ScalarEvent) and event.value == "":
+            if isinstance(event, yaml.ScalarEvent) and event.value == "" and event.implicit[0]:
                 # a value that is not written has its mark where the next thing begins
                 value = ScalarNode(key_mark, value.value if isinstance(value, ScalarNode) else None)
             if key is None:

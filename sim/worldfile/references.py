@@ -12,6 +12,7 @@ from sim.worldfile.mistakes import Mistake, listed, suggestion
 from sim.worldfile.programs import find_program, is_file_name, programs
 from sim.worldfile.salvage import Salvaged
 from sim.worldfile.schema import Controller
+from sim.worldfile.syntax import program_mistakes
 
 
 def reference_mistakes(data: Mapping[str, Any], found: Salvaged, folder: Path) -> list[Mistake]:
@@ -85,19 +86,19 @@ def _controller_mistakes(
 
 def _program_mistakes(program: str, where: tuple[str | int, ...], folder: Path) -> list[Mistake]:
     if is_file_name(program):
-        path = folder / program
-        if path.is_dir():
-            return [Mistake(where, "is a folder, not a Python file", program)]
-        if not path.is_file():
-            return [Mistake(where, "there is no such file", program, f"a file, from {folder}")]
-        if not os.access(path, os.R_OK):
-            return [Mistake(where, "the file cannot be read", program)]
-        return []
+        if not program.endswith(".py") and not os.path.isdir(folder / program):
+            beside = f"{program}.py"
+            hint = f"; did you mean {beside}?" if os.path.isfile(folder / beside) else ""
+            allowed = (
+                f"a Python file such as ./mine.py; other programs are a `command: [{program}]`"
+            )
+            return [Mistake(where, f"has not a name that ends in .py{hint}", program, allowed)]
+        return program_mistakes(folder / program, where, program)
     if find_program(program) is not None:
         return []
     known = programs()
     hint = suggestion(program, known)
-    if not hint and (folder / f"{program}.py").is_file():
+    if not hint and os.path.isfile(folder / f"{program}.py"):
         hint = f"; did you mean ./{program}.py?"
     allowed = f"{listed(known)}, or a Python file such as ./mine.py"
     return [Mistake(where, f"there is no such program{hint}", program, allowed)]
@@ -107,12 +108,14 @@ def _command_mistakes(executable: str, where: tuple[str | int, ...], folder: Pat
     if "/" not in executable:
         if not executable or shutil.which(executable) is None:
             beside = (
-                "; did you mean ./" + executable + "?" if (folder / executable).is_file() else ""
+                "; did you mean ./" + executable + "?"
+                if os.path.isfile(folder / executable)
+                else ""
             )
             return [Mistake(where, f"no such command is found on PATH{beside}", executable)]
         return []
     path = folder / executable
-    if not path.is_file():
+    if not os.path.isfile(path):
         return [
             Mistake(where, "there is no such file", executable, f"an executable, from {folder}")
         ]

@@ -55,6 +55,21 @@ def expanded(entries: Iterable[tuple[int, Robots]]) -> list[RobotSpec]:
     return specs
 
 
+MOST_ROBOTS = 100_000
+"""In all entries together."""
+
+
+def number_mistakes(entries: Iterable[tuple[int, Robots]]) -> list[Mistake]:
+    """The entry with which there would be more robots than a world may have."""
+    total = 0
+    for index, entry in entries:
+        total += entry.count
+        if total > MOST_ROBOTS:
+            what = f"with these there would be more than {MOST_ROBOTS} robots"
+            return [Mistake(("robots", index), what, f"count: {entry.count}")]
+    return []
+
+
 def name_mistakes(specs: Iterable[RobotSpec], doors: Iterable[tuple[int, Door]]) -> list[Mistake]:
     """Names that two robots would have, also those that come through doors (`s1`, `s2`, ...)."""
     mistakes: list[Mistake] = []

@@ -11,9 +11,11 @@ from sim.worldfile.models import Drive, Model, OdometryNoise, Sprayer
 from sim.worldfile.options import checked_args
 from sim.worldfile.shapes import Body, Box, Circle, ConvexPolygon, Obstacle, Polygon
 from sim.worldfile.values import (
+    SMALLEST,
     Color,
     FileName,
     Finite,
+    Host,
     Name,
     NonNegative,
     Part,
@@ -73,8 +75,9 @@ class Clock(Part):
     def _step_that_divides(cls, data: Any) -> Any:
         if isinstance(data, dict) and "physics_step" not in data:
             interval = data.get("interval", 0.1)
-            if isinstance(interval, int | float) and 0 < interval < 1e6:
-                return {**data, "physics_step": interval / ceil(interval / LARGEST_STEP - 1e-9)}
+            if isinstance(interval, int | float) and SMALLEST <= interval < 1e6:
+                steps = max(1, ceil(interval / LARGEST_STEP - 1e-9))
+                return {**data, "physics_step": interval / steps}
         return data
 
     @model_validator(mode="after")
@@ -300,9 +303,7 @@ class Controller(Part):
 class Player(Part):
     """How Player's clients reach the robots."""
 
-    host: Annotated[str, Field(min_length=1)] = Field(
-        default="127.0.0.1", description="address to listen on"
-    )
+    host: Host = Field(default="127.0.0.1", description="address to listen on")
     port: Annotated[int, Field(ge=0, le=65535)] | None = Field(
         default=None, description="the first robot's port; null: no port is open; 0: any free one"
     )

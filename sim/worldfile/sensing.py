@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,9 @@ from pydantic import ValidationError
 
 from sim.worldfile.mistakes import Mistake, listed, suggestion
 from sim.worldfile.nodes import Path as Where
+from sim.worldfile.programs import LARGEST_PROGRAM
+from sim.worldfile.reading import NotRead, read_regular
+from sim.worldfile.values import LARGEST
 from sim.worldfile.wording import mistakes_in, shown
 
 
@@ -59,7 +62,11 @@ def _settings(sensor: Any, where: Where, folder: Path) -> Any:
         allowed = f"{listed(known)}, or a Python file such as ./my_sensor.py"
         return [Mistake((*where, "type"), f"unknown sensor{hint}", shown(kind), allowed)]
     try:
-        return settings_for(sensor, folder)
+        if kind not in SENSORS:
+            read_regular(folder / kind, LARGEST_PROGRAM)
+        settings = settings_for(sensor, folder)
+    except NotRead as error:
+        return [Mistake((*where, "type"), f"the sensor file {error}", kind)]
     except ValidationError as error:
         if error.errors(include_url=False)[0]["loc"] == ("type",):
             return [Mistake((*where, "type"), error.errors()[0]["msg"], shown(kind))]
@@ -67,3 +74,21 @@ def _settings(sensor: Any, where: Where, folder: Path) -> Any:
         return [
             replace(one, where=(*where, *one.where)) for one, _ in mistakes_in(error, sensor, model)
         ]
+    beyond = [
+        Mistake((*where, *path), "is out of range", shown(number), f"at most {LARGEST:g}")
+        for path, number in _numbers(sensor, ())
+        if abs(number) > LARGEST and (kind in SENSORS or isinstance(number, float))
+    ]
+    return beyond or settings
+
+
+def _numbers(value: Any, where: Where) -> Iterator[tuple[Where, float]]:
+    """The numbers in a sensor's settings, and where they stand."""
+    if isinstance(value, int | float):
+        yield where, value
+    elif isinstance(value, Mapping):
+        for key, inside in value.items():
+            yield from _numbers(inside, (*where, key))
+    elif isinstance(value, tuple):
+        for index, inside in enumerate(value):
+            yield from _numbers(inside, (*where, index))

@@ -94,6 +94,22 @@ def _name(value: Any) -> Any:
     return value
 
 
+def is_host(text: str) -> bool:
+    """Whether a text can be the name or the address of a host: labels of 1 to 63 characters."""
+    try:
+        encoded = text.encode("idna")
+    except UnicodeError:
+        return False
+    return 0 < len(encoded) <= 253 and text.isprintable() and " " not in text
+
+
+def _host(value: Any) -> Any:
+    if not isinstance(value, str) or not is_host(value):
+        allowed = "an address such as 127.0.0.1 or ::1, or a host's name"
+        raise wrong("cannot be a host", given=value, allowed=allowed)
+    return value
+
+
 def _not_tiny(value: float) -> float:
     if value < SMALLEST:
         raise wrong("is too small", given=value, allowed=f"{SMALLEST:g} or more")
@@ -123,6 +139,7 @@ Color = Annotated[
 FileName = Annotated[
     Path, BeforeValidator(_file), WithJsonSchema({"type": "string", "minLength": 1})
 ]
+Host = Annotated[str, BeforeValidator(_host), WithJsonSchema({"type": "string", "minLength": 1})]
 Name = Annotated[
     str,
     BeforeValidator(_name),

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from sim.worldfile.fields import known_keys
-from sim.worldfile.mistakes import Mistake, listed, suggestion
+from sim.worldfile.mistakes import MOST_TOLD, Mistake, listed, suggestion
 from sim.worldfile.nodes import Path
 
 _TRUTHS_OF_YAML_1_1 = {"yes", "no", "on", "off", "y", "n"}
@@ -70,10 +70,24 @@ def mistakes_in(
 
     Beside each stand the places of other values that it rests on.
     """
-    return [
-        (_mistake(found, data, model), _rests_on(found, data))
-        for found in error.errors(include_url=False)
-    ]
+    keys: dict[Path, list[str]] = {}
+    unknown = 0
+    found: list[tuple[Mistake, list[Path]]] = []
+    for one in error.errors(include_url=False):
+        if one["type"] != "extra_forbidden":
+            found.append((_mistake(one, data), _rests_on(one, data)))
+            continue
+        where = place_in(data, one["loc"])
+        unknown += 1
+        if where[:-1] not in keys:
+            keys[where[:-1]] = known_keys(model, data, where[:-1])
+        known = keys[where[:-1]]
+        # To look for what was meant takes a while: as often as anybody would read it.
+        hint = suggestion(str(where[-1]), known) if unknown <= MOST_TOLD else ""
+        found.append(
+            (Mistake(where, f"unknown key{hint}", None, listed(known, 20), at_key=True), [])
+        )
+    return found
 
 
 def _rests_on(error: ErrorDetails, data: Any) -> list[Path]:
@@ -103,7 +117,7 @@ def place_in(data: Any, loc: Path) -> Path:
     return tuple(path)
 
 
-def _mistake(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Mistake:
+def _mistake(error: ErrorDetails, data: Any) -> Mistake:
     where = place_in(data, error["loc"])
     context = error.get("ctx", {})
     value = error["input"]
@@ -117,15 +131,6 @@ def _mistake(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Mistake:
                 None if given is None else shown(given),
                 context.get("allowed"),
                 at_key=context.get("at_key", False) or error["loc"][-1:] == ("[key]",),
-            )
-        case "extra_forbidden":
-            known = known_keys(model, data, where[:-1])
-            return Mistake(
-                where,
-                f"unknown key{suggestion(str(where[-1]), known)}",
-                None,
-                listed(known, 20),
-                at_key=True,
             )
         case "missing":
             if isinstance(where[-1], int):

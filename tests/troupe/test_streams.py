@@ -11,7 +11,7 @@ import pytest
 
 from tests.patience import PATIENCE
 from tests.processes import environment
-from troupe.show import Screen, shown
+from troupe.show import Screen
 
 World = Callable[..., Path]
 
@@ -73,20 +73,6 @@ def test_a_name_that_the_terminal_cannot_show_is_written_out(tmp_path: Path) -> 
     assert "w\\xf6rld.yaml: ok" in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("line", "safe"),
-    [
-        ("\x1b[2J\x1b]0;title\x07gone", "\\x1b[2J\\x1b]0;title\\x07gone"),
-        ("50 %\r100 %", "50 %\\r100 %"),
-        ("\x9b31mred", "\\x9b31mred"),
-        ("\u202eesrever", "\\u202eesrever"),
-        ("tab\tand é, 一, 🤖 stay", "tab\tand é, 一, 🤖 stay"),
-    ],
-)
-def test_what_a_terminal_would_obey_is_shown_as_text(line: str, safe: str) -> None:
-    assert shown(line) == safe
-
-
 def test_a_controllers_escape_codes_do_not_reach_the_terminal(
     world_with: World, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -99,3 +85,45 @@ def test_a_controllers_escape_codes_do_not_reach_the_terminal(
     assert "[one] \\x1b[31mred" in told
     assert "\x1b" not in told
     assert "\x1b[31mred" in (result.robot("one").error or "")  # the result has the very bytes
+
+
+def test_nothing_foreign_that_a_command_prints_is_obeyed_by_the_terminal(tmp_path: Path) -> None:
+    """Names of files, keys, references and programs of a world; each by another way out."""
+    evil = "\x1b]0;pwned\x07\x1b[2J\u202e"
+    folder = tmp_path / f"world{evil}s"
+    folder.mkdir()
+    good = "models: {r: {body: {shape: circle, radius: 0.3}}}\n"
+    quoted = evil.encode("unicode_escape").decode()
+    (folder / f"good{evil}.yaml").write_text(
+        f'size: [5, 5]\n{good}robots: [{{model: r, pose: [1, 1, 0], controller: "a{quoted}"}}]\n'
+        f'controllers: {{"a{quoted}": {{external: true}}}}\n'
+    )
+    (folder / f"bad{evil}.yaml").write_text(
+        f'size: [5, 5]\n{good}"{quoted}": 1\nname: {{"{quoted}": 2}}\n'
+        f'robots: [{{model: "x{quoted}", pose: [1, 1, 0], controller: "y{quoted}"}}]\n'
+        f'map: {{file: "z{quoted}.png", resolution: 1}}\n'
+        f'controllers: {{"c{quoted}": {{program: "./p{quoted}.py"}}}}\n'
+        f'include: "i{quoted}.yaml"\n'
+    )
+    words = [sys.executable, "-m", "troupe"]
+    for command in (
+        ["check", f"{folder}/good{evil}.yaml", f"{folder}/bad{evil}.yaml", f"{folder}/no{evil}"],
+        ["run", f"{folder}/bad{evil}.yaml"],
+        ["run", f"{folder}/good{evil}.yaml", "--video", f"{folder}/gone{evil}/a.mp4"],
+        ["run", "wander", "--listen", f"{evil}:1"],
+        ["run", "wander", "--set", f"{evil}=1"],
+        ["import", f"{folder}/no{evil}.world"],
+        ["run", f"{folder}/good{evil}.yaml", "--duration", "0.1", "--patience", "0.1"],
+    ):
+        done = subprocess.run(
+            [*words, *command], env=environment(), capture_output=True, check=False, timeout=600
+        )
+        told = (done.stdout + done.stderr).decode()
+        assert done.returncode in (1, 2)
+        assert "pwned" in told
+        assert not {character for character in told if character in "\x1b\x07\u202e"}
+
+
+def test_our_own_colours_reach_a_terminal() -> None:
+    done = shell("troupe --help", FORCE_COLOR="1", TERM="xterm")
+    assert "\x1b[1m" in done.stdout

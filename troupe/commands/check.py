@@ -30,7 +30,8 @@ def check(
 
     Exit code 2 if there is any mistake.
     """
-    from sim.worldfile import WorldError, load  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.printable import printable  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.worldfile import WorldError, load  # noqa: PLC0415
     from troupe.compiling import Compiling  # noqa: PLC0415
     from troupe.warm import tell, warm_once  # noqa: PLC0415
     from troupe.worlds import find_world  # noqa: PLC0415
@@ -46,7 +47,7 @@ def check(
             print(error, file=sys.stderr)
             refused = True
         else:
-            print(f"{path}: ok ({summary(loaded)})")
+            print(printable(f"{path}: ok ({summary(loaded)})"))
     if refused:
         raise typer.Exit(2)
 

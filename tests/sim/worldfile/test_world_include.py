@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -192,5 +193,5 @@ def test_an_unreadable_file_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     def refuse(*_: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "open", refuse)  # root may read everything, so no mode will do
+    monkeypatch.setattr(os, "open", refuse)  # root may read everything, so no mode will do
     assert mistakes_of(path) == [" cannot be read: Permission denied"]

@@ -132,7 +132,7 @@ TABLE = [
     ("    sensors: [{range: 3}]", "5:15: models.rover.sensors.0.type: is missing (allowed: "),
     ("    sensors: [{type: lazer}]", "5:22: models.rover.sensors.0.type: unknown sensor; did yo"),
     ("    sensors: [{type: 3}]", "5:22: models.rover.sensors.0.type: unknown sensor (given: 3; "),
-    ("    sensors: [{type: ./a.py}]", "5:22: models.rover.sensors.0.type: cannot read the sens"),
+    ("    sensors: [{type: ./a.py}]", "5:22: models.rover.sensors.0.type: the sensor file cannot"),
     (
         "    sensors: [{type: laser, smaples: 3}]",
         "5:29: models.rover.sensors.0.smaples: unknown key; did you mean samples? (allowed: pose,",

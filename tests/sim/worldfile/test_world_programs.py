@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from world_texts import mistakes_in
 
 from sim.worldfile import WorldError, load
 from sim.worldfile.programs import find_program, is_file_name, programs
@@ -97,3 +98,64 @@ def test_a_program_of_ones_own_without_its_path_is_told_with_the_path(tmp_path: 
     path.write_text(WORLD + "controllers: {a: {program: mine}}\n")
     with pytest.raises(WorldError, match=r"did you mean \./mine\.py\?"):
         load(path)
+
+
+NOT_PROGRAMS = {
+    "./mine": "has not a name that ends in .py; did you mean ./mine.py?",
+    "/bin/sh": "has not a name that ends in .py",
+    "sub/tool": "has not a name that ends in .py",
+    "dispersal.robot": "there is no such program",  # a part of one
+    "motion": "there is no such program",
+    "paint.__main__": "there is no such program",
+    "controllers.wander": "there is no such program",
+    "x" * 5000: "there is no such program",
+    "./" + "x" * 5000: "has not a name that ends in .py",
+    "./" + "x" * 5000 + ".py": "there is no such file",
+}
+
+
+@pytest.mark.parametrize("program", NOT_PROGRAMS, ids=range(len(NOT_PROGRAMS)))
+def test_what_could_not_be_run_is_refused_with_what_can(tmp_path: Path, program: str) -> None:
+    (tmp_path / "mine.py").write_text("")
+    (tmp_path / "mine").write_text("")
+    (told,) = mistakes_in(tmp_path, f"size: [1, 1]\ncontrollers: {{a: {{program: {program}}}}}")
+    assert told.startswith(f"2:28: controllers.a.program: {NOT_PROGRAMS[program]}")
+    assert "allowed: " in told
+    assert len(told) < 1000
+
+
+BROKEN = {
+    "x = 1\nif x:\nprint(x)\n": ("3:1", "IndentationError: expected an indented block"),
+    "a = 1\nb = (2,\n": ("2:5", "SyntaxError: '(' was never closed"),
+    "print 'x'\n": ("1:1", "SyntaxError: Missing parentheses"),
+    "\n\treturn 3\n": ("2:1", "IndentationError: unexpected indent"),
+    "def f():\n    pass\n\nreturn\n": ("4:1", "SyntaxError: 'return' outside function"),
+    "x = '\udcff'\n": ("", "SyntaxError: (unicode error)"),
+    "# coding: klingon\n": ("", "SyntaxError: "),
+    "x = '\0'": ("", ""),
+    "(" * 10_000: ("1:", "SyntaxError: too many nested parentheses"),
+    "-" * 100_000 + "1": ("", ""),
+}
+
+
+@pytest.mark.parametrize("source", BROKEN, ids=range(len(BROKEN)))
+def test_a_program_with_a_mistake_is_told_with_its_own_line(tmp_path: Path, source: str) -> None:
+    program = tmp_path / "mine.py"
+    program.write_bytes(source.encode(errors="surrogateescape"))
+    place, what = BROKEN[source]
+    text = (
+        "size: [9, 9]\nmodels: {r: {body: {shape: circle, radius: 0.3}}}\n"
+        "robots: [{model: r, pose: [3, 3, 0], controller: a}]\ncontrollers: {a: {program: mine.py}}"
+    )
+    (told,) = mistakes_in(tmp_path, text)
+    assert told.startswith(f"{program}:{place}"), told
+    assert f"controllers.a.program: {what}" in told
+
+
+def test_a_program_is_compiled_and_not_run(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mine.py").write_text("x = '\\d'\nprint('run')\nraise SystemExit(3)\n")
+    (tmp_path / "world.yaml").write_text("size: [1, 1]\ncontrollers: {a: {program: mine.py}}")
+    assert load(tmp_path / "world.yaml").world.controllers["a"].program == "mine.py"
+    assert capfd.readouterr() == ("", "")

@@ -7,7 +7,6 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,23 +68,17 @@ class Plan:
 
 def read_plan(name: str, folder: str, pose: Pose, size: tuple[float, float], place: Place) -> Plan:
     """Read a model's bitmap; relative names start at the world file's folder. Raises StageError."""
-    import cv2  # noqa: PLC0415  (takes time to load, and most worlds are imported once)
+    from sim.stage.imagemap import TooLarge, read_pixels  # noqa: PLC0415  (loads OpenCV)
+    from sim.worldfile.reading import NotRead  # noqa: PLC0415
 
     path = os.path.join(folder, name)
     try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise StageError(place, f"the bitmap {path}: {error.strerror}") from None
-    try:
-        pixels: Any = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        pixels = None
-    if pixels is None:
-        raise StageError(
-            place, f"the bitmap {path} is no image that can be read (convert it to PNG)"
-        )
-    if pixels.dtype == np.uint16:
-        pixels = (pixels >> 8).astype(np.uint8)
+        pixels = read_pixels(Path(path))
+    except TooLarge as error:
+        width, height = error.size
+        raise StageError(place, f"the bitmap {path} {error}: {width} x {height} pixels") from None
+    except NotRead as error:
+        raise StageError(place, f"the bitmap {path} {error} (convert it to PNG?)") from None
     first = pixels if pixels.ndim == 2 else pixels[:, :, min(2, pixels.shape[2] - 1)]
     walls = np.asarray(first <= SOLID)
     if not walls.any():

@@ -8,6 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from sim.worldfile.reading import NotRead, is_stream, read_regular, read_stream
+
+LARGEST = 20_000_000
+"""Bytes of a file."""
+
 MOST_INCLUDES = 50
 """Files within files; more is a circle that a link hides."""
 
@@ -102,10 +107,9 @@ def _read_into(
     if real in within or len(within) > MOST_INCLUDES:
         raise StageError(asked, f"{path} includes itself")
     try:
-        with open(path, "rb") as stream:
-            data = stream.read()
-    except OSError as error:
-        raise StageError(asked or Place(path, 1, 1), f"{path}: {error.strerror}") from None
+        data = (read_stream if asked is None and is_stream(path) else read_regular)(path, LARGEST)
+    except NotRead as error:
+        raise StageError(asked or Place(path, 1, 1), f"{path} {error}") from None
     try:
         text = data.decode()
     except UnicodeDecodeError:

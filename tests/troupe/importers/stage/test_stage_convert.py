@@ -235,7 +235,7 @@ BAD = {
     "position ( block ( points 3 point[0] [0 0] ) )": ("1:12", "no point[1]"),
     "position ( block ( points 2 ) )": ("1:12", "at least 3 points"),
     'model ( bitmap "none.png" )': ("1:9", "No such file"),
-    'model ( bitmap "rover.inc" )': ("1:9", "no image"),
+    'model ( bitmap "rover.inc" )': ("1:9", "not an image"),
     "interval_sim 0": ("1:1", "above 0"),
     'position ( localization "magic" )': ("1:12", "not magic"),
     "position ( bumper ( ) )": ("1:12", "bcount"),
