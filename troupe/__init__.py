@@ -61,8 +61,8 @@ def run(
             other than the defaults.
         video_show: what it shows besides bodies and paint: some of fans, names, trails, speech and
             blobs (all but blobs unless given). It holds for the picture too, as does the size.
-        picture: a PNG or SVG file to be made of one moment: `at` so many simulated seconds, or at
-            the end of the run.
+        picture: a PNG or SVG file to be made of one moment.
+        at: the picture's moment in simulated seconds; the end of the run unless given.
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
         settings: more texts like those of `set`.

@@ -11,7 +11,7 @@ from world_texts import HEAD, mistakes_in, mistakes_of
 import troupe
 from sim.stage import clearance
 from sim.stage.geometry import Floats
-from troupe.commands.run import parse_listen
+from troupe.running import parse_listen
 from troupe.usage import UsageError
 from troupe.worlds import find_world
 
