@@ -152,7 +152,7 @@ def _laid_out(
     if len(poses) == len(known):
         return layout, np.array(poses, dtype=np.float64).reshape(-1, 3), mistakes
     crowded = crowd_mistakes(known, world.models, layout.size)
-    if crowded:
+    if crowded or any(one.where == ("region",) for one in mistakes):
         return layout, None, mistakes + crowded
     try:
         return layout, place(layout, known, world.models, world.seed), mistakes

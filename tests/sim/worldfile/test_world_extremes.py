@@ -34,6 +34,8 @@ REFUSED = {
     LASER % "range: 1e300": "5:36: models.rover.sensors.0.range: is out of range",
     LASER % "pose: [0, -1e10, 0]": "5:39: models.rover.sensors.0.pose.1: is out of range",
     LASER % f"range: 1{'0' * 300}": "5:36: models.rover.sensors.0.range: is out of range",
+    "region: [[1, 1], [1e9, 1], [9, 7], [1, 7]]\n"
+    "robots: [{model: rover, count: 3, placement: {same_y: true}}]": "5:9: region: a corner lies",
     "robots:\n- {model: rover, count: 99999, placement: random}\n"
     "- {model: rover, count: 99999, placement: random}": "7:3: robots.1: with these there would be",
 }
