@@ -55,7 +55,7 @@ def test_what_is_beyond_all_measure_is_one_mistake_with_its_place(
     ["boundary.thickness=1e9", "boundary.height=1e9", "robots.0.pose=[0.3, 0.3, 1e9]",
      "models.r.body.height=1e-9", "size=[1e6, 1]", "size=[1e9, 1]", "size=[1, 1e9]",
      "obstacles=[{shape: box, size: [1e9, 0.1], pose: [0, 6, 30]}]",
-     "models.r.drive.max_speed=1e9", "models.r.body.mass=1e9", "floor.resolution=1e9",
+     "models.r.body.mass=1e9", "floor.resolution=1e9",
      "duration=1e-9", "clock={interval: 1e-9}", "name=" + "x" * 5000],
 )  # fmt: skip
 def test_a_world_at_the_ends_of_what_is_allowed_runs(
