@@ -24,8 +24,9 @@ from sim.fleet.crew import Crew, Patience
 from sim.fleet.fleet import Fleet
 from sim.pace import Pace
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result
+from sim.robot import Robot
 from sim.scenery import Scenery
-from sim.spray import Sprayers
+from sim.spray import Spraying, close
 from sim.stage.doors import Doors
 from sim.worldfile import LoadedWorld
 
@@ -69,7 +70,7 @@ class Engine:
         self.interval = world.clock.interval
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
-        self.sprayers = Sprayers()
+        self.spraying = Spraying(self.scenery.floor)
         self.context = Context(
             self.scenery.stage,
             self.scenery.suite,
@@ -77,10 +78,13 @@ class Engine:
             self.scenery.floor,
             self.interval,
             put=self.scenery.put,
-            repaint=self.scenery.set_color,
+            repaint=self.scenery.repaint,
+            remark=self.scenery.remark,
         )
         self.switchboard = Switchboard(self.context, self.say)
+        self.robots = self.context.robots
         self.crew = Crew(
+            self.robots,
             self.server,
             self.switchboard,
             self.fleet,
@@ -99,7 +103,7 @@ class Engine:
             self.scenery,
             self.context,
             self.switchboard,
-            self.sprayers,
+            self.spraying,
             self.crew,
             self.server,
             self.say,
@@ -154,12 +158,12 @@ class Engine:
 
     def announce(self) -> None:
         """Say what a world is going to do in which nobody drives."""
-        drivers = self.crew.drivers
-        if self.loaded.layout.doors or any(driver.kind != "none" for driver in drivers):
+        robots = self.robots
+        if self.loaded.layout.doors or any(robot.driver.kind != "none" for robot in robots):
             return
-        who = "no robot here has a controller" if drivers else "there are no robots in this world"
-        guests = ", or as clients drive them" if drivers and self.entry.open else ""
-        moves = f": things move by themselves{guests}" if drivers else ": nothing drives"
+        who = "no robot here has a controller" if robots else "there are no robots in this world"
+        guests = ", or as clients drive them" if robots and self.entry.open else ""
+        moves = f": things move by themselves{guests}" if robots else ": nothing drives"
         self.say(f"{who}{moves}, for {self.settings.duration:g} simulated seconds")
 
     def tick(self) -> None:
@@ -167,10 +171,10 @@ class Engine:
         self.context.carry_out()
         self.settle()
         self.reset()
-        ways = self.scenery.stage.tick(self.sprayers.carriers(self.context))
+        ways = self.scenery.stage.tick(self.spraying.carriers())
         self.ticks += 1
         self.context.time = self.time
-        self.sprayers.mark(self.context, ways)
+        self.spraying.mark(ways)
         self.open_doors()
         self.sense()
         self.switchboard.stamp(self.time)
@@ -180,12 +184,12 @@ class Engine:
         self.crew.next_round()
         self.record()
 
-    def stop_robot(self, robot: int) -> None:
+    def stop_robot(self, robot: Robot) -> None:
         """Nobody drives a robot any more: it brakes, its sprayers close."""
         self.context.later(robot, lambda: self.context.drive(robot, (0.0, 0.0, 0.0)))
-        self.context.later(robot, lambda: self.sprayers.close(self.context, robot))
-        if not self.crew.drivers[robot].running:
-            self.settling.add(robot)
+        self.context.later(robot, lambda: close(robot))
+        if not robot.driver.running:
+            self.settling.add(robot.index)
 
     def settle(self) -> None:
         """Robots whose controllers have ended and that have come to rest become standing bodies."""
@@ -199,9 +203,9 @@ class Engine:
         if not self.context.resets:
             return
         self.context.resets = 0
-        for robot, record in enumerate(self.context.records):
-            self.scenery.put(robot, record.start)
-            self.scenery.odometry.reset(robot)
+        for robot in self.robots:
+            self.scenery.put(robot, robot.record.start)
+            self.scenery.odometry.reset(robot.index)
 
     def open_doors(self) -> None:
         """Let in the robots whose step has come."""
@@ -228,7 +232,7 @@ class Engine:
         if stalled != self.stalled:
             before = self.stalled.ljust(len(stalled), b"\0")
             for robot, (now, then) in enumerate(zip(stalled, before, strict=True)):
-                self.context.records[robot].stalls += now > then
+                self.robots[robot].record.stalls += now > then
             self.stalled = stalled
 
     def keep_pace(self) -> None:
@@ -258,7 +262,7 @@ class Engine:
         done = not waits_for_time and not self.crew.running and entered
         if not over and not done:
             return None
-        states = {record.state for record in self.context.records}
+        states = {robot.record.state for robot in self.robots}
         if states & {"failed", "hung", "lost"}:
             return "controller_failed"
         return "completed" if done or waits_for_time else "time_limit"
@@ -268,19 +272,20 @@ class Engine:
         """Whether the run is complete when its duration is: told so, or nobody else can end it."""
         if self.loaded.world.until == "duration":
             return True
-        nobody = all(driver.kind == "none" for driver in self.crew.drivers)
+        nobody = all(robot.driver.kind == "none" for robot in self.robots)
         return nobody and not any(door.controller for door in self.loaded.layout.doors)
 
     def doors_done(self) -> bool:
         """Whether every door's cell holds a robot whose controller has finished."""
-        ended = [robot for robot, driver in enumerate(self.crew.drivers) if driver.kind != "none"]
+        ended = [robot.index for robot in self.robots if robot.driver.kind != "none"]
         return self.doors.filled(self.scenery.stage, ended)
 
     def result(self, outcome: Outcome, wall_time: float) -> Result:
         """The run in numbers."""
         self.context.carry_out()  # what was said after the last tick counts as well
         stage, floor = self.scenery.stage, self.scenery.floor
-        for robot, record in enumerate(self.context.records):
+        records = [robot.record for robot in self.robots]
+        for robot, record in enumerate(records):
             x, y, yaw = map(float, stage.poses[robot])
             record.pose = (x, y, yaw)
             record.distance = float(stage.distances[robot])
@@ -293,7 +298,7 @@ class Engine:
             wall_time=wall_time,
             ticks=self.ticks,
             digest=self.digest.text(),
-            robots=self.context.records,
+            robots=records,
             floor=FloorRecord(floor.coverage, floor.painted_area, floor.passes),
             doors=[
                 DoorRecord(cell.name, len(steps), list(steps))

@@ -23,8 +23,9 @@ from sim.fleet.crew import Crew
 from sim.fleet.driver import Driver
 from sim.fleet.launching import environment, kind_of, launch_of
 from sim.result import RobotRecord
+from sim.robot import Robot, Sprayer
 from sim.scenery import Scenery
-from sim.spray import Sprayers
+from sim.spray import Spraying
 from sim.stage.geometry import outline
 from sim.worldfile import LoadedWorld
 from sim.worldfile.schema import Model
@@ -51,7 +52,7 @@ class Entry:
     scenery: Scenery
     context: Context
     switchboard: Switchboard
-    sprayers: Sprayers
+    spraying: Spraying
     crew: Crew
     server: Server
     say: Callable[[str], None]
@@ -69,7 +70,6 @@ class Entry:
         player = self.loaded.world.player
         self.host, self.base = listen or (player.host, player.port)
         self.open = self.base is not None
-        self.context.remark = self.remark
 
     def enter(
         self,
@@ -78,63 +78,68 @@ class Entry:
         controller: str | None,
         pose: NDArray[np.float64],
         time: float,
-    ) -> int:
-        """A robot enters at a pose (x, y, yaw) and its controller is started; its index."""
+    ) -> Robot:
+        """A robot enters at a pose (x, y, yaw) and its controller is started."""
         world = self.loaded.world
         model = world.models[model_name]
         kind = kind_of(controller, world.controllers)
-        robot = self.scenery.add_robot(name, model_name, model, pose)
+        number, entity = self.scenery.add_robot(name, model_name, model, pose)
         start = (float(pose[0]), float(pose[1]), float(pose[2]))
         record = RobotRecord(
             name, model_name, time, start, start, "none" if kind == "none" else "running"
         )
-        context = self.context
-        context.models.append(model)
-        context.records.append(record)
-        context.robots[name] = robot
-        context.colors.append(model.body.color)
-        for index, sprayer in enumerate(model.actuators):
-            self.sprayers.add(robot, index, sprayer)
-            context.spraying[(robot, index)] = False
-        context.fiducials.append(model.fiducial or 0)
-        port, index = self.add_port(robot, model)
-        driver = Driver(robot, kind, record, drives=model.drive is not None)
-        self.crew.add(driver)
-        self.server.max_connections = CONNECTIONS + CONNECTIONS_PER_ROBOT * (robot + 1)
-        number = self.serve(port, driver, index)
-        if driver.launched:
+        robot = Robot(
+            number,
+            name,
+            model_name,
+            model,
+            entity,
+            record,
+            driver=Driver(number, kind, record, drives=model.drive is not None),
+            port=self.switchboard.add_port(),
+            color=model.body.color,
+            fiducial=model.fiducial or 0,
+            sprayers=[Sprayer(mount) for mount in model.actuators],
+        )
+        self.context.admit(robot)
+        self.spraying.admit(robot)
+        index = self.connect(robot)
+        self.crew.enter(robot)
+        self.server.max_connections = CONNECTIONS + CONNECTIONS_PER_ROBOT * (number + 1)
+        port_number = self.serve(robot, index)
+        if robot.driver.launched:
             assert controller is not None
             fields = {
                 "host": reachable(self.host),
-                "port": str(number),
+                "port": str(port_number),
                 "name": name,
                 "index": str(index),
                 "seed": str(self.seed),
             }
             launch = launch_of(controller, world.controllers, self.loaded.folder, fields)
-            variables = environment(name, self.seed, fields["host"], number, robot + 1)
+            variables = environment(name, self.seed, fields["host"], port_number, number + 1)
             if kind == "command":
                 variables["PLAYER_INDEX"] = fields["index"]
-            self.crew.launch(driver, launch, variables, port if kind == "program" else None)
+            inherits = kind == "program"
+            self.crew.launch(robot.driver, launch, variables, robot.port if inherits else None)
         return robot
 
-    def add_port(self, robot: int, model: Model) -> tuple[Port, int]:
-        """The robot's devices, at a port of their own (whether or not it is opened).
+    def connect(self, robot: Robot) -> int:
+        """Put the robot's devices at its own port (whether or not that is opened).
 
-        Besides the index at which clients over TCP find its drive, or else its first device:
-        other than 0 only where all robots share a port.
+        The index at which clients over TCP find its drive, or else its first device: other than
+        0 only where all robots share a port.
         """
         devices = robot_devices(
-            self.context, self.encoders, self.states, robot, model, body_size(model)
+            self.context, self.encoders, self.states, robot, body_size(robot.model)
         )
-        port = self.switchboard.add_port()
-        found = port.serve(devices)
-        port.directory.time = self.context.time
+        found = robot.port.serve(devices)
+        robot.port.directory.time = self.context.time
         if self.loaded.world.player.layout == "shared":
-            found = self.share(devices, robot, full=model.simulation == "full")
-        return port, found[devices[0]].index
+            found = self.share(devices, robot, full=robot.model.simulation == "full")
+        return found[devices[0]].index
 
-    def share(self, devices: list[Device], robot: int, full: bool) -> dict[Device, DeviceAddr]:
+    def share(self, devices: list[Device], robot: Robot, full: bool) -> dict[Device, DeviceAddr]:
         """The robot's devices at the port of all robots, where there is one simulation:0."""
         if self.shared is None:
             self.shared = self.switchboard.add_port()
@@ -144,8 +149,9 @@ class Entry:
         self.shared.directory.time = self.context.time
         return self.shared.serve(d for d in devices if not isinstance(d, Simulation))
 
-    def serve(self, port: Port, driver: Driver, index: int) -> int | None:
+    def serve(self, robot: Robot, index: int) -> int | None:
         """Open the robot's port, if it is to be reached from outside; the port's number."""
+        driver = robot.driver
         if not self.open and driver.kind not in ("command", "external"):
             return None
         if self.shared is not None:
@@ -158,17 +164,17 @@ class Entry:
                 self.say(f"robots are served at {self.host}:{number}, by index")
         else:
             if self.base is None:
-                number = self.bind_free(port, driver)
+                number = self.bind_free(robot.port, driver)
             else:
-                number = self.bind(self.base + driver.robot if self.base else 0, port)
-            if not self.base or driver.robot < TOLD:
-                self.say(f"{driver.record.name} is served at {self.host}:{number}")
-            elif driver.robot == TOLD:
+                number = self.bind(self.base + robot.index if self.base else 0, robot.port)
+            if not self.base or robot.index < TOLD:
+                self.say(f"{robot.name} is served at {self.host}:{number}")
+            elif robot.index == TOLD:
                 self.say(f"further robots are served at {self.host}:{number} and the ports above")
         if driver.kind == "external":
             what = f"position2d:{index}" if driver.drives else "its devices"
             self.say(
-                f"{driver.record.name}: waiting for a Player client at {self.host}:{number} "
+                f"{robot.name}: waiting for a Player client at {self.host}:{number} "
                 f"that subscribes {what} ({told(self.crew.patience.entry)})"
             )
             if driver.drives and index == 0 and not self.awaited_told:
@@ -226,10 +232,6 @@ class Entry:
             _, number = self.server.listen(self.host, 0, port.directory)
         return number
 
-    def remark(self, robot: int, fiducial: int) -> None:
-        """Fiducial finders see a robot with another id from the next reading on."""
-        self.scenery.scene.fiducials[self.scenery.entities[robot]] = fiducial
-
     def wanted(self) -> NDArray[np.bool_]:
         """For every sensor of every robot, whether somebody reads it."""
         suite = self.scenery.suite
@@ -238,7 +240,7 @@ class Entry:
             for device in self.switchboard.wanted():
                 sensor = getattr(device, "sensor", None)
                 if sensor is not None:
-                    self.flags[suite.first_slot[device.robot] + sensor] = True
+                    self.flags[suite.first_slot[device.robot.index] + sensor] = True
             self.switchboard.changed = False
         return self.flags
 

@@ -70,12 +70,12 @@ class Film:
 
     def view(self, engine: Engine) -> FrameView:
         """The moment that the engine is at."""
-        scenery, context = engine.scenery, engine.context
-        for record in context.records[self.robots :]:
-            body = engine.loaded.world.models[record.model].body
+        scenery = engine.scenery
+        for robot in engine.robots[self.robots :]:
+            body = robot.model.body
             shape = body.radius if body.shape == "circle" else outline(body)
-            self.recorder.add_robot(record.name, shape)
-        self.robots = len(context.records)
+            self.recorder.add_robot(robot.name, shape)
+        self.robots = len(engine.robots)
         if self.movables is None:
             self.movables = [
                 (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
@@ -86,9 +86,9 @@ class Film:
             time=engine.time,
             speed=engine.speed,
             poses=scenery.stage.poses,
-            colors=np.array(context.colors, np.int64),
+            colors=np.array([robot.color for robot in engine.robots], np.int64),
             coverage=scenery.floor.coverage if paints else None,
-            said=[record.said[-1][1] if record.said else "" for record in context.records],
+            said=[r.record.said[-1][1] if r.record.said else "" for r in engine.robots],
             scans=self.scans(engine),
             floor=scenery.floor.owner if paints else None,
             resolution=scenery.floor.resolution,
@@ -118,9 +118,9 @@ class Film:
     def drawings(self, engine: Engine) -> list[Drawing]:
         """What programs have drawn, in world coordinates."""
         drawn: list[Drawing] = []
-        for robot, shapes in engine.context.drawings.items():
-            pose = engine.scenery.stage.poses[robot]
-            for shape in shapes:
+        for robot in engine.robots:
+            pose = engine.scenery.stage.poses[robot.index]
+            for shape in robot.drawings:
                 points = np.array(shape.points, float).reshape(-1, 2)
                 if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e6:
                     continue

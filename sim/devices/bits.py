@@ -9,7 +9,8 @@ import numpy as np
 
 from player import DeviceAddr
 from player.codes import Interface
-from sim.devices.device import FARTHEST, Context, Drawing, Refused, Values
+from sim.devices.device import FARTHEST, Context, Refused, Values
+from sim.robot import Drawing, Robot
 
 MAX_SAID = 10_000
 """Sentences kept of one robot."""
@@ -26,24 +27,24 @@ DIO = struct.Struct(">II")
 class Sprayer:
     """A sprayer on Player's dio interface: bit 0 turns it on and off."""
 
-    def __init__(self, context: Context, robot: int, index: int) -> None:
+    def __init__(self, context: Context, robot: Robot, index: int) -> None:
         self.context = context
         self.robot = robot
         self.index = index
+        self.sprayer = robot.sprayers[index]
         self.addr = DeviceAddr(Interface.DIO, index)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        on = self.context.spraying.get((self.robot, self.index), False)
-        return ((1, DIO.pack(1, int(on))),)
+        return ((1, DIO.pack(1, int(self.sprayer.on))),)
 
     def command(self, name: str, values: Values) -> None:
         if name != "values" or values["count"] < 1:
             return
         on = bool(values["bits"] & 1)
-        key = (self.robot, self.index)
-        self.context.later(
-            self.robot, lambda: self.context.spraying.__setitem__(key, on), ("sprayer", self.index)
-        )
+        self.context.later(self.robot, lambda: self.turn(on), ("sprayer", self.index))
+
+    def turn(self, on: bool) -> None:
+        self.sprayer.on = on
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
@@ -52,7 +53,7 @@ class Sprayer:
 class Speech:
     """What a robot says: kept with the time, shown in the video."""
 
-    def __init__(self, context: Context, robot: int) -> None:
+    def __init__(self, context: Context, robot: Robot) -> None:
         self.context = context
         self.robot = robot
         self.addr = DeviceAddr(Interface.SPEECH, 0)
@@ -61,7 +62,7 @@ class Speech:
         return ()
 
     def command(self, name: str, values: Values) -> None:
-        said = self.context.records[self.robot].said
+        said = self.robot.record.said
         if name == "say" and len(said) < MAX_SAID:
             said.append((self.context.time, values["text"][:LONGEST_SAID]))
 
@@ -72,7 +73,7 @@ class Speech:
 class Graphics2d:
     """Shapes that a program draws into the video, in its robot's frame."""
 
-    def __init__(self, context: Context, robot: int) -> None:
+    def __init__(self, context: Context, robot: Robot) -> None:
         self.context = context
         self.robot = robot
         self.addr = DeviceAddr(Interface.GRAPHICS2D, 0)
@@ -81,7 +82,7 @@ class Graphics2d:
         return ()
 
     def command(self, name: str, values: Values) -> None:
-        drawings = self.context.drawings.setdefault(self.robot, [])
+        drawings = self.robot.drawings
         if name == "clear":
             drawings.clear()
             return

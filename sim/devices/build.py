@@ -11,15 +11,14 @@ from sim.devices.position2d import Position2d, StateEncoder
 from sim.devices.ranging import Ranger, Sonar
 from sim.devices.seeing import Blobfinder, FiducialFinder, Marker
 from sim.devices.simulation import Simulation
-from sim.worldfile.schema import Model
+from sim.robot import Robot
 
 
 def robot_devices(
     context: Context,
     encoders: Encoders,
     states: StateEncoder,
-    robot: int,
-    model: Model,
+    robot: Robot,
     size: tuple[float, float, float],
 ) -> list[Device]:
     """A robot's devices, in the order in which they take their interface's indices.
@@ -28,12 +27,13 @@ def robot_devices(
     after the model's rangers, and a ranger of several elements as a sonar: old programs ask for
     the one, newer ones for the other.
     """
+    model = robot.model
     devices: list[Device] = []
     twins: list[Device] = []
     if model.drive is not None:
         devices.append(Position2d(context, robot, states, size))
     for slot in range(len(model.sensors)):
-        group, _ = context.suite.place(robot, slot)
+        group, _ = context.suite.place(robot.index, slot)
         if group.kind == "scan":
             if group.type.name == "ranger":
                 devices.append(Ranger(context, encoders, robot, slot))

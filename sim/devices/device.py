@@ -8,16 +8,14 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.server import Connection
 from sensors.odometry import Odometry
 from sensors.suite import Suite
-from sim.result import RobotRecord
+from sim.robot import Robot
 from sim.stage.floor import FloorPaint
 from sim.stage.stage import Stage
-from sim.worldfile.schema import Model
 
 Values = Mapping[str, Any]
 Action = Callable[[], None]
@@ -36,16 +34,6 @@ def raise_again(client: Connection, error: Exception) -> None:
 
 
 @dataclass
-class Drawing:
-    """A shape of graphics2d; points (k, 2) in metres in the robot's frame, colours 0xRRGGBB."""
-
-    kind: str
-    points: NDArray[np.float64]
-    color: int
-    fill_color: int | None = None
-
-
-@dataclass
 class Context:
     """The parts of a run that devices read and change.
 
@@ -60,35 +48,34 @@ class Context:
     odometry: Odometry
     floor: FloorPaint
     interval: float
-    put: Callable[[int, tuple[float, float, float]], None]  # a robot to a pose in the world
-    repaint: Callable[[int, int], None]  # a robot's body in another colour
-    remark: Callable[[int, int], None] = lambda robot, fiducial: None  # a robot's id, for finders
-    models: list[Model] = field(default_factory=list)  # by robot
-    records: list[RobotRecord] = field(default_factory=list)
-    robots: dict[str, int] = field(default_factory=dict)
+    put: Callable[[Robot, tuple[float, float, float]], None]  # a robot to a pose in the world
+    repaint: Callable[[Robot, int], None]  # a robot's body in another colour
+    remark: Callable[[Robot, int], None]  # a robot's id, for finders
+    robots: list[Robot] = field(default_factory=list)
+    by_name: dict[str, Robot] = field(default_factory=dict)
     client: Connection | None = None
     failed: Callable[[Connection, Exception], None] = raise_again
-    complain: Callable[[int, str], None] = lambda robot, what: None  # of a message to a robot
+    complain: Callable[[Robot, str], None] = lambda robot, what: None  # of a message to a robot
     time: float = 0.0
     paused: bool = False
     pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(
         default_factory=dict
     )
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
-    spraying: dict[tuple[int, int], bool] = field(default_factory=dict)  # (robot, sprayer)
-    drawings: dict[int, list[Drawing]] = field(default_factory=dict)
-    colors: list[int] = field(default_factory=list)
-    fiducials: list[int] = field(default_factory=list)  # by robot: the id it carries, 0 for none
-    property_names: dict[int, set[str]] = field(default_factory=dict)  # told so far, by robot
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
-    def later(self, robot: int, action: Action, key: Hashable = None) -> None:
+    def admit(self, robot: Robot) -> None:
+        """A robot has entered: the next in the list."""
+        self.robots.append(robot)
+        self.by_name[robot.name] = robot
+
+    def later(self, robot: Robot, action: Action, key: Hashable = None) -> None:
         """Have `action` called at the next command phase, in the order of robots.
 
         With a `key` it takes the place of the robot's earlier action of that key, as the last
         command wins: what a client sends while the world waits does not pile up.
         """
-        actions = self.pending.setdefault(robot, {})
+        actions = self.pending.setdefault(robot.index, {})
         if key is None:
             key = action
         elif key in actions:
@@ -112,20 +99,20 @@ class Context:
             self.stage.command(robots, np.array(list(self.twists.values())))
             self.twists.clear()
 
-    def drive(self, robot: int, twist: tuple[float, float, float]) -> None:
+    def drive(self, robot: Robot, twist: tuple[float, float, float]) -> None:
         """Within an action: a velocity, in place of whatever was commanded before it."""
-        self.twists[robot] = twist
+        self.twists[robot.index] = twist
 
-    def undrive(self, robot: int) -> None:
+    def undrive(self, robot: Robot) -> None:
         """Within an action: another kind of command follows in place of a velocity."""
-        self.twists.pop(robot, None)
+        self.twists.pop(robot.index, None)
 
 
 class Device(Protocol):
     """One device of one robot."""
 
     addr: DeviceAddr
-    robot: int
+    robot: Robot
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         """This tick's data: subtypes and encoded payloads. Called for subscribed devices only."""

@@ -13,6 +13,7 @@ from player.codes import Interface
 from sensors.readings import Bits, Scalars
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.seeing import SensorDevice
+from sim.robot import Robot
 
 COUNTS = struct.Struct(">II")
 
@@ -23,7 +24,7 @@ class Bumper(SensorDevice):
     addr = DeviceAddr(Interface.BUMPER, 0)
 
     def __init__(
-        self, context: Context, robot: int, slot: int, size: tuple[float, float, float]
+        self, context: Context, robot: Robot, slot: int, size: tuple[float, float, float]
     ) -> None:
         super().__init__(context, robot, slot)
         self.radius = 0.5 * max(size[:2])

@@ -15,6 +15,7 @@ from sensors.readings import Scans
 from sim.devices.batch import Encoders, told
 from sim.devices.device import Context, Refused, Values, finite, flat_pose, limited
 from sim.devices.ranging import SENSOR_SIZE, RangingDevice
+from sim.robot import Robot
 
 HEAD = struct.Struct(">ffffII")
 COUNTS = struct.Struct(">II")
@@ -50,7 +51,7 @@ class Laser(RangingDevice):
 
     addr = DeviceAddr(Interface.LASER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
+    def __init__(self, context: Context, encoders: Encoders, robot: Robot, slot: int) -> None:
         super().__init__(context, encoders, robot, slot)
         assert isinstance(self.group.readings, Scans)
         self.whole = Cut(0, self.scans.ranges.shape[1] - 1, 1, self.scans.max_range)
@@ -67,7 +68,7 @@ class Laser(RangingDevice):
         scan = self.payload("scans") if self.cut == self.whole else self.encode()
         if not self.with_pose:
             return ((SCAN, scan),)
-        pose = POSE.pack(*self.context.odometry.poses[self.robot].tolist())
+        pose = POSE.pack(*self.context.odometry.poses[self.robot.index].tolist())
         return ((SCAN_POSE, scan + pose),)
 
     def encode(self) -> bytes:

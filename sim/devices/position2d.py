@@ -22,6 +22,7 @@ from sim.devices.device import (
     sane,
     scaled,
 )
+from sim.robot import Robot
 
 STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
 
@@ -82,14 +83,14 @@ class Position2d:
     """A robot's drive and odometry."""
 
     def __init__(
-        self, context: Context, robot: int, states: StateEncoder, size: tuple[float, float, float]
+        self, context: Context, robot: Robot, states: StateEncoder, size: tuple[float, float, float]
     ) -> None:
         self.context = context
         self.robot = robot
         self.states = states
         self.size = size
         self.addr = DeviceAddr(Interface.POSITION2D, 0)
-        drive = context.models[robot].drive
+        drive = robot.model.drive
         self.kind = "differential" if drive is None else drive.kind
         self.obeys: dict[str, Callable[[Values], None]] = {"velocity": self.move}
         if self.kind == "car":
@@ -98,7 +99,7 @@ class Position2d:
             self.obeys |= {"position": self.go_to, "velocity_heading": self.head}
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, self.states.payload(self.robot)),)
+        return ((1, self.states.payload(self.robot.index)),)
 
     def command(self, name: str, values: Values) -> None:
         """Obey, within the drive's limits; at what is no number the robot stops."""
@@ -129,16 +130,16 @@ class Position2d:
         (x, y, yaw), speed = values["pos"], values["vel"]
         goal = self.to_world((*scaled(x, y), heading(yaw)))
         self.context.undrive(self.robot)
-        self.context.stage.command_position(self.robot, goal, abs(speed[0]), abs(speed[2]))
+        self.context.stage.command_position(self.robot.index, goal, abs(speed[0]), abs(speed[2]))
 
     def steer(self, values: Values) -> None:
         self.context.undrive(self.robot)
-        self.context.stage.command_car(self.robot, values["velocity"], values["angle"])
+        self.context.stage.command_car(self.robot.index, values["velocity"], values["angle"])
 
     def head(self, values: Values) -> None:
         yaw = self.to_world((0.0, 0.0, heading(values["heading"])))[2]
         self.context.undrive(self.robot)
-        self.context.stage.command_heading(self.robot, values["velocity"], yaw)
+        self.context.stage.command_heading(self.robot.index, values["velocity"], yaw)
 
     def request(self, name: str, values: Values) -> Values | None:
         context, robot = self.context, self.robot
@@ -147,7 +148,7 @@ class Position2d:
             return {"pose": flat_pose(), "size": (width, length, height)}
         if name == "motor_power":
             on = bool(values["state"])
-            context.later(robot, lambda: context.stage.motors(robot, on), "motors")
+            context.later(robot, lambda: context.stage.motors(robot.index, on), "motors")
             return None
         if name == "position_mode":
             return None  # velocity or position: each command says itself which it is
@@ -164,10 +165,10 @@ class Position2d:
 
     def set_odometry(self, pose: Pose) -> None:
         robot, odometry = self.robot, self.context.odometry
-        self.context.later(robot, lambda: odometry.set_odometry(robot, pose), "odometry")
+        self.context.later(robot, lambda: odometry.set_odometry(robot.index, pose), "odometry")
 
     def to_world(self, pose: Pose) -> Pose:
         """A pose in the odometry's frame, in the world's, as the last tick's odometry tells."""
-        x, y, yaw = map(float, self.context.stage.poses[self.robot])
-        reported = tuple(map(float, self.context.odometry.poses[self.robot]))
+        x, y, yaw = map(float, self.context.stage.poses[self.robot.index])
+        reported = tuple(map(float, self.context.odometry.poses[self.robot.index]))
         return compose((x, y, yaw), compose(invert((reported[0], reported[1], reported[2])), pose))

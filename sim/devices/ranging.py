@@ -11,6 +11,7 @@ from sensors.readings import Elements, Intensities, Scans
 from sensors.suite import Group
 from sim.devices.batch import Encoders
 from sim.devices.device import Context, Refused, Values, flat_pose
+from sim.robot import Robot
 
 SENSOR_SIZE = (0.02, 0.02, 0.02)
 """Width, length, height in metres: what Stage says of an element; nothing depends on it."""
@@ -19,12 +20,12 @@ SENSOR_SIZE = (0.02, 0.02, 0.02)
 class RangingDevice:
     """A sensor slot of one robot, and its place in a batch."""
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
+    def __init__(self, context: Context, encoders: Encoders, robot: Robot, slot: int) -> None:
         self.context = context
         self.encoders = encoders
         self.robot = robot
         self.slot = slot
-        group, self.row = context.suite.place(robot, slot)
+        group, self.row = context.suite.place(robot.index, slot)
         self.group: Group = group
 
     @property
@@ -53,7 +54,7 @@ class Ranger(RangingDevice):
 
     addr = DeviceAddr(Interface.RANGER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
+    def __init__(self, context: Context, encoders: Encoders, robot: Robot, slot: int) -> None:
         super().__init__(context, encoders, robot, slot)
         self.with_intensities = isinstance(self.group.readings, Intensities)
 

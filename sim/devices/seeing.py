@@ -17,6 +17,7 @@ from sensors.readings import Blobs, Fiducials
 from sim.devices.batch import BLOB, BLOBS, Encoders
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.ranging import SENSOR_SIZE
+from sim.robot import Robot
 
 COUNTS = struct.Struct(">II")
 FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6)])
@@ -32,11 +33,11 @@ LARGEST_ID = 0x7FFF_FFFF
 class SensorDevice:
     """A sensor slot of one robot."""
 
-    def __init__(self, context: Context, robot: int, slot: int) -> None:
+    def __init__(self, context: Context, robot: Robot, slot: int) -> None:
         self.context = context
         self.robot = robot
         self.slot = slot
-        self.group, self.row = context.suite.place(robot, slot)
+        self.group, self.row = context.suite.place(robot.index, slot)
 
     @property
     def sensor(self) -> int:
@@ -79,7 +80,7 @@ class Blobfinder(SensorDevice):
 
     addr = DeviceAddr(Interface.BLOBFINDER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
+    def __init__(self, context: Context, encoders: Encoders, robot: Robot, slot: int) -> None:
         super().__init__(context, robot, slot)
         self.encoders = encoders
         self.encoder = encoders.blobs_of(self.group)
@@ -142,15 +143,15 @@ def exactly(color: int) -> Channel:
     return Channel((red, red), (green, green), (blue, blue))
 
 
-def carried_id(context: Context, robot: int, name: str, values: Values) -> Values:
+def carried_id(context: Context, robot: Robot, name: str, values: Values) -> Values:
     """Answer a request about the id that a robot carries: to read it, or to set it."""
     if name == "get_id":
-        return {"id": context.fiducials[robot]}
+        return {"id": robot.fiducial}
     if name != "set_id" or values["id"] > LARGEST_ID:
         raise Refused
     fiducial = values["id"]
 
-    context.fiducials[robot] = fiducial  # known to its own clients alone, until others look
+    robot.fiducial = fiducial  # known to its own clients alone, until others look
     context.later(robot, lambda: context.remark(robot, fiducial), "fiducial")
     return {"id": fiducial}
 
@@ -188,7 +189,7 @@ class FiducialFinder(SensorDevice):
 class Marker:
     """The id of a robot that carries one and has no finder itself: it never sees anything."""
 
-    def __init__(self, context: Context, robot: int, size: tuple[float, float, float]) -> None:
+    def __init__(self, context: Context, robot: Robot, size: tuple[float, float, float]) -> None:
         self.context = context
         self.robot = robot
         self.size = size

@@ -15,6 +15,7 @@ from player import DeviceAddr
 from player.codes import Interface
 from sim import strictjson
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
+from sim.robot import Robot
 from sim.stage.geometry import outline
 
 COLOR = struct.Struct("<4f")
@@ -37,7 +38,7 @@ class Simulation:
     of them a client is, nobody can tell.
     """
 
-    def __init__(self, context: Context, robot: int, full: bool) -> None:
+    def __init__(self, context: Context, robot: Robot, full: bool) -> None:
         self.context = context
         self.robot = robot
         self.members = {robot: None}
@@ -47,18 +48,18 @@ class Simulation:
         ] = {}  # when, and what, by name and key
         self.addr = DeviceAddr(Interface.SIMULATION, 0)
 
-    def admit(self, robot: int, full: bool) -> None:
+    def admit(self, robot: Robot, full: bool) -> None:
         """Another robot's clients come in here too."""
         self.members[robot] = None
         self.full |= full
 
-    def later(self, target: int, what: str, action: Action) -> None:
+    def later(self, target: Robot, what: str, action: Action) -> None:
         """Have something done to a robot at the next command phase, in the order of robots.
 
         That is the order of those who ask; at a shared port, of those who are meant.
         """
         asking = self.robot if len(self.members) == 1 else target
-        self.context.later(asking, action, (what, target))
+        self.context.later(asking, action, (what, target.index))
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ()
@@ -82,7 +83,7 @@ class Simulation:
             raise Refused
         target = self.target(values["name"])
         context = self.context
-        x, y, yaw = map(float, context.stage.poses[target])
+        x, y, yaw = map(float, context.stage.poses[target.index])
         if name == "get_pose2d":
             return {"name": values["name"], "pose": (x, y, yaw)}
         if name == "get_pose3d":
@@ -100,16 +101,16 @@ class Simulation:
             return None
         raise Refused
 
-    def target(self, name: str) -> int:
+    def target(self, name: str) -> Robot:
         """The robot of that name, if a client here may deal with it; raises Refused."""
-        robot = self.context.robots.get(name)
+        robot = self.context.by_name.get(name)
         if robot is None or (robot not in self.members and not self.full):
             raise Refused
         return robot
 
-    def fits(self, target: int, pose: tuple[float, float, float]) -> bool:
+    def fits(self, target: Robot, pose: tuple[float, float, float]) -> bool:
         """Whether a robot's body lies in the world at a pose: there is no place outside."""
-        body = self.context.models[target].body
+        body = target.model.body
         if body.shape == "circle":
             corners = np.array([[-body.radius] * 2, [body.radius] * 2]) + pose[:2]
         else:
@@ -123,9 +124,9 @@ class Simulation:
         if key == "time":
             value = TIME.pack(round(self.context.time * 1e6))
         elif key == "color":
-            value = color_bytes(self.context.colors[self.target(values["name"])])
+            value = color_bytes(self.target(values["name"]).color)
         else:
-            properties = self.context.records[self.target(values["name"])].properties
+            properties = self.target(values["name"]).record.properties
             if key not in properties and not self.just_told(values):
                 raise Refused
             value = json.dumps(properties.get(key)).encode()
@@ -162,24 +163,23 @@ class Simulation:
             value = parse_json(data)
         except ValueError as error:
             self.refuse(target, key, error)
-        names = self.context.property_names.setdefault(target, set())
+        names = target.property_names
         if key not in names and len(names) >= MOST_PROPERTIES:
             raise Refused
         names.add(key)
         self.told[values["name"], key] = (self.context.time, json.dumps(value).encode())
-        properties = self.context.records[target].properties
+        properties = target.record.properties
         self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
 
-    def refuse(self, target: int, key: str, error: ValueError) -> NoReturn:
+    def refuse(self, target: Robot, key: str, error: ValueError) -> NoReturn:
         """Say why a value is not taken: a NACK tells its client no more than that it is not."""
         self.context.complain(target, f"a value of the property {key!r} that is refused: {error}")
         raise Refused
 
-    def paint(self, target: int, color: int) -> None:
+    def paint(self, target: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
-        self.context.colors[target] = color
         self.context.repaint(target, color)
-        self.context.records[target].properties["color"] = f"#{color:06x}"
+        target.record.properties["color"] = f"#{color:06x}"
 
 
 def parse_json(data: bytes) -> Any:

@@ -11,6 +11,7 @@ from player.directory import Directory
 from player.server import Connection
 from player.session import Command, Request
 from sim.devices.device import Context, Device, Refused
+from sim.robot import Robot
 
 
 class Port:
@@ -19,7 +20,7 @@ class Port:
     def __init__(self) -> None:
         self.directory = Directory()
         self.devices: dict[DeviceAddr, Device] = {}
-        self.robots: dict[int, None] = {}
+        self.robots: dict[Robot, None] = {}
         self.counts: Counter[int] = Counter()  # devices by interface
 
     def serve(self, devices: Iterable[Device]) -> dict[Device, DeviceAddr]:
@@ -43,7 +44,7 @@ class Switchboard:
         self.context = context
         self.say = say
         context.complain = self.complain
-        self.complained: dict[Connection, set[int]] = {}  # of messages to which robots
+        self.complained: dict[Connection, set[Robot]] = {}  # of messages to which robots
         self.ports: dict[int, Port] = {}  # by the identity of the directory
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
@@ -127,13 +128,13 @@ class Switchboard:
             self.context.client = None
         connection.session.acknowledge(event, None if reply is None else dict(reply))
 
-    def complain(self, robot: int, what: str) -> None:
+    def complain(self, robot: Robot, what: str) -> None:
         """Tell people, once of each client and robot, what it was sent that makes no sense."""
         client = self.context.client
         if client is None or robot in self.complained.setdefault(client, set()):
             return
         self.complained[client].add(robot)
-        name = self.context.records[robot].name
+        name = robot.name
         self.say(f"{name}: {'its program' if client.peer == name else client.peer} sent {what}")
 
     def wanted(self) -> list[Device]:

@@ -31,6 +31,7 @@ from sim.fleet.origin import origin
 from sim.fleet.patience import Patience, hint, lacking
 from sim.fleet.stack import own_frames
 from sim.result import ControllerState
+from sim.robot import Robot
 
 __all__ = ["Crew", "Patience"]
 
@@ -53,19 +54,21 @@ LAST_WORDS = 256
 
 
 class Crew:
-    """Drivers by robot. `stop(robot)` is called when nobody drives a robot any more."""
+    """The robots' controllers. `stop(robot)` is called when nobody drives a robot any more."""
 
     def __init__(
         self,
+        robots: list[Robot],
         server: Server,
         switchboard: Switchboard,
         fleet: Fleet,
         *,
         patience: Patience,
         clock: Literal["all", "any"],
-        stop: Callable[[int], None],
+        stop: Callable[[Robot], None],
         say: Callable[[str], None],
     ) -> None:
+        self.robots = robots
         self.server = server
         self.switchboard = switchboard
         self.fleet = fleet
@@ -73,7 +76,6 @@ class Crew:
         self.clocks = Clocks(clock == "any")
         self.stop = stop
         self.say = say
-        self.drivers: list[Driver] = []
         self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.interrupted = False
         self.fail_fast = False
@@ -88,12 +90,10 @@ class Crew:
 
     # -- entries ----------------------------------------------------------------------------
 
-    def add(self, driver: Driver) -> None:
+    def enter(self, robot: Robot) -> None:
         """A robot has entered; its controller, if any, is waited for until its first request."""
-        assert driver.robot == len(self.drivers)
-        self.drivers.append(driver)
-        if driver.kind != "none":
-            self.clocks.enter(driver)
+        if robot.driver.kind != "none":
+            self.clocks.enter(robot.driver)
 
     def launch(
         self, driver: Driver, launch: Launch, environment: dict[str, str], port: Port | None
@@ -270,7 +270,7 @@ class Crew:
             if self.switchboard.pauser is not pauser:
                 self.paused_at = monotonic()
             if event.addr.interf in MOVING:
-                self.drivers[device.robot].commander = connection
+                device.robot.driver.commander = connection
         elif kind is Request:
             assert isinstance(event, Request)
             self.switchboard.request(connection, event)
@@ -281,7 +281,7 @@ class Crew:
             assert isinstance(event, Unsubscribed)
             device = self.switchboard.unsubscribe(connection, event.addr)
             if event.addr.interf == Interface.POSITION2D:
-                driver = self.drivers[device.robot]
+                driver = device.robot.driver
                 self.clocks.undrive(connection, driver)
                 self.release(connection, driver)
         elif kind is ModeChanged:
@@ -313,7 +313,7 @@ class Crew:
         if connection in self.clocks.driven:
             return
         for robot in self.switchboard.port(connection).robots:
-            driver = self.clocks.unasked.get(robot)
+            driver = self.clocks.unasked.get(robot.index)
             if driver is None or driver.clocks:
                 continue
             if driver.kind == "external" and driver.drives:
@@ -338,7 +338,7 @@ class Crew:
     def subscribed(self, connection: Connection, event: Subscribed) -> None:
         """A connection has subscribed a device; it may be one of the robot's controller."""
         device = self.switchboard.subscribe(connection, event.addr)
-        driver = self.drivers[device.robot]
+        driver = device.robot.driver
         drives = event.addr.interf == Interface.POSITION2D
         if (drives or driver.launched) and self.is_own(driver, connection):
             if driver.kind == "external" and driver.record.state in ("lost", "hung"):
@@ -347,14 +347,14 @@ class Crew:
             self.clocks.join(connection, driver, drives)
         if connection in driver.clocks or not (driver.drives or driver.launched):
             devices = self.switchboard.port(connection).devices
-            own = [a for a in connection.session.subscribed if devices[a].robot == driver.robot]
+            own = [a for a in connection.session.subscribed if devices[a].robot is device.robot]
             note_devices(driver, map(str, own))
 
     def release(self, connection: Connection, driver: Driver) -> None:
         """A connection does not drive a robot any more."""
         if driver.commander is connection:
             driver.commander = None
-            self.stop(driver.robot)
+            self.stop(self.robots[driver.robot])
 
     def disconnected(self, connection: Connection, reason: str) -> None:
         """A connection is gone, and with it the commands that it has given."""
@@ -363,7 +363,7 @@ class Crew:
         drove = list(self.clocks.driven.get(connection, {}).values())
         self.switchboard.forget(connection)
         for robot in self.switchboard.port(connection).robots:
-            driver = self.drivers[robot]
+            driver = robot.driver
             driver.origins.pop(connection, None)
             left = driver in drove or connection is driver.connection
             alone = all(other is connection for other in driver.clocks)
@@ -389,7 +389,7 @@ class Crew:
     def notice_ends(self) -> None:
         """Take note of processes that have ended."""
         for robot, code in self.fleet.take_ended().items():
-            driver = self.drivers[robot]
+            driver = self.robots[robot].driver
             self.drain(driver)
             if not driver.running:
                 driver.record.exit_code = code
@@ -417,9 +417,9 @@ class Crew:
                 break
             events = self.server.poll(0)
             self.take(events)
-            port = self.switchboard.port
+            robot, port = self.robots[driver.robot], self.switchboard.port
             if not any(
-                one in own or (driver.kind == "command" and driver.robot in port(one).robots)
+                one in own or (driver.kind == "command" and robot in port(one).robots)
                 for one, _ in events
             ):
                 break
@@ -440,8 +440,9 @@ class Crew:
         self, driver: Driver, state: ControllerState, code: int | None, error: str | None
     ) -> None:
         """A controller's run is over; its robot stops, for good unless a client may come back."""
+        robot = self.robots[driver.robot]
         if driver.kind == "external":
-            self.stop(driver.robot)  # while it counts as running: it is not to become a body
+            self.stop(robot)  # while it counts as running: it is not to become a body
         driver.record.state = state
         driver.record.exit_code = code
         driver.record.error = error
@@ -449,12 +450,12 @@ class Crew:
         driver.commander = None
         self.clocks.retire(driver)
         if driver.kind != "external":
-            self.stop(driver.robot)
+            self.stop(robot)
 
     @property
     def running(self) -> list[Driver]:
         """The controllers that have not ended."""
-        return [driver for driver in self.drivers if driver.running]
+        return [robot.driver for robot in self.robots if robot.driver.running]
 
     def dismiss(self, grace: float = 1.0) -> None:
         """The run is over: tell everybody, give programs a moment, end what is left."""
