@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import monotonic, perf_counter
 
@@ -52,7 +53,7 @@ class Engine:
     """One run of one world.
 
     `say` is given every line that is meant for people, and `warn`, or else `say`, what they
-    must not overlook.
+    must not overlook. `while_waiting(engine)` is called now and then while the world waits.
     """
 
     loaded: LoadedWorld
@@ -60,6 +61,7 @@ class Engine:
     fleet: Fleet
     say: Callable[[str], None]
     warn: Callable[[str], None] | None = None
+    while_waiting: Callable[[Engine], None] | None = None
     ticks: int = 0
     interrupted: bool = False
     began: float = 0.0
@@ -71,20 +73,11 @@ class Engine:
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
         self.spraying = Spraying(self.scenery.floor)
-        self.context = Context(
-            self.scenery.stage,
-            self.scenery.suite,
-            self.scenery.odometry,
-            self.scenery.floor,
-            self.interval,
-            put=self.scenery.put,
-            repaint=self.scenery.repaint,
-            remark=self.scenery.remark,
-        )
+        self.context = Context(self.scenery, self.interval)
         self.switchboard = Switchboard(self.context, self.say)
         self.robots = self.context.robots
         self.crew = Crew(
-            self.robots,
+            self.context,
             self.server,
             self.switchboard,
             self.fleet,
@@ -92,10 +85,9 @@ class Engine:
             clock=world.player.clock,
             stop=self.stop_robot,
             say=self.say,
+            fail_fast=self.settings.fail_fast,
+            while_waiting=self.while_waiting and partial(self.while_waiting, self),
         )
-        self.crew.fail_fast = self.settings.fail_fast
-        self.crew.paused = lambda: self.context.paused
-        self.context.failed = self.crew.expel
         self.entry = Entry(
             self.loaded,
             self.settings.seed,
@@ -127,8 +119,8 @@ class Engine:
 
     def run(self, each_tick: Callable[[Engine], None] | None = None) -> Result:
         """Run to the end; the result. Whatever happens, no process is left afterwards."""
-        self.began = perf_counter()
         outcome: Outcome = "interrupted"
+        self.began = perf_counter()
         try:
             self.enter_first()
             self.announce()
@@ -168,7 +160,7 @@ class Engine:
 
     def tick(self) -> None:
         """One interval of simulated time, after the wait."""
-        self.context.carry_out()
+        self.carry_out()
         self.settle()
         self.reset()
         ways = self.scenery.stage.tick(self.spraying.carriers())
@@ -183,6 +175,15 @@ class Engine:
         self.server.flush()
         self.crew.next_round()
         self.record()
+
+    def carry_out(self) -> None:
+        """Have done what clients have asked for; who asked for what cannot be done is expelled.
+
+        That stops robots, before the tick as well.
+        """
+        while failed := self.context.carry_out():
+            for client, error in failed:
+                self.crew.expel(client, error)
 
     def stop_robot(self, robot: Robot) -> None:
         """Nobody drives a robot any more: it brakes, its sprayers close."""
@@ -282,7 +283,7 @@ class Engine:
 
     def result(self, outcome: Outcome, wall_time: float) -> Result:
         """The run in numbers."""
-        self.context.carry_out()  # what was said after the last tick counts as well
+        self.carry_out()  # what was said after the last tick counts as well
         stage, floor = self.scenery.stage, self.scenery.floor
         records = [robot.record for robot in self.robots]
         for robot, record in enumerate(records):

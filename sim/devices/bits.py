@@ -57,14 +57,19 @@ class Speech:
         self.context = context
         self.robot = robot
         self.addr = DeviceAddr(Interface.SPEECH, 0)
+        self.count = 0  # of what is said, or is going to be
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ()
 
     def command(self, name: str, values: Values) -> None:
-        said = self.robot.record.said
-        if name == "say" and len(said) < MAX_SAID:
-            said.append((self.context.time, values["text"][:LONGEST_SAID]))
+        if name == "say" and self.count < MAX_SAID:
+            self.count += 1
+            text = values["text"][:LONGEST_SAID]
+            self.context.later(self.robot, lambda: self.say(text))
+
+    def say(self, text: str) -> None:
+        self.robot.record.said.append((self.context.time, text))
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
@@ -77,15 +82,24 @@ class Graphics2d:
         self.context = context
         self.robot = robot
         self.addr = DeviceAddr(Interface.GRAPHICS2D, 0)
+        self.drawings: list[Drawing] = []  # as they are going to be
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ()
 
     def command(self, name: str, values: Values) -> None:
-        drawings = self.robot.drawings
         if name == "clear":
-            drawings.clear()
-            return
+            self.drawings.clear()
+        else:
+            self.draw(name, values)
+        self.context.later(self.robot, self.show, "drawings")
+
+    def show(self) -> None:
+        self.robot.drawings = list(self.drawings)
+
+    def draw(self, name: str, values: Values) -> None:
+        """One more shape, at the cost of the oldest where there are too many."""
+        drawings = self.drawings
         fill = rgb(values["fill_color"]) if values.get("filled") else None
         points = np.array(values["points"], np.float64).reshape(-1, 2)[:MAX_POINTS]
         if not np.isfinite(points).all():

@@ -33,7 +33,7 @@ def robot_devices(
     if model.drive is not None:
         devices.append(Position2d(context, robot, states, size))
     for slot in range(len(model.sensors)):
-        group, _ = context.suite.place(robot.index, slot)
+        group, _ = context.scenery.suite.place(robot.index, slot)
         if group.kind == "scan":
             if group.type.name == "ranger":
                 devices.append(Ranger(context, encoders, robot, slot))

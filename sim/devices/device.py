@@ -1,4 +1,9 @@
-"""What a device is, and what devices may use of the simulation."""
+"""What a device is, and what devices may use of the simulation.
+
+Rules: reading is free at any time between two ticks. Every change goes through `Context.later`, so
+that it is made robot by robot in the engine's order, and not in that of the messages' arrival.
+What a device keeps for its own clients (how a scan is cut, what was just set) is no change.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +16,8 @@ import numpy as np
 
 from player import DeviceAddr
 from player.server import Connection
-from sensors.odometry import Odometry
-from sensors.suite import Suite
 from sim.robot import Robot
-from sim.stage.floor import FloorPaint
-from sim.stage.stage import Stage
+from sim.scenery import Scenery
 
 Values = Mapping[str, Any]
 Action = Callable[[], None]
@@ -28,36 +30,22 @@ class Refused(Exception):
     """A request that the device does not grant: its client gets a NACK."""
 
 
-def raise_again(client: Connection, error: Exception) -> None:
-    """What becomes of a client's error where nobody is there to take it."""
-    raise error
-
-
 @dataclass
 class Context:
-    """The parts of a run that devices read and change.
+    """The parts of a run that devices read and change, and the changes that are to come.
 
-    Reading is free at any time between two ticks; every change goes through `later`, so that it
-    is made in the engine's order and not in that of the messages' arrival. While a message is
-    handled, `client` is who has sent it; `failed(client, error)` is told of what an action raises
-    that a client has asked for.
+    `interval` and `time` are simulated seconds. While a message is handled, `client` is who has
+    sent it. `complaints` are what devices find wrong with it, until somebody tells people.
     """
 
-    stage: Stage
-    suite: Suite
-    odometry: Odometry
-    floor: FloorPaint
+    scenery: Scenery
     interval: float
-    put: Callable[[Robot, tuple[float, float, float]], None]  # a robot to a pose in the world
-    repaint: Callable[[Robot, int], None]  # a robot's body in another colour
-    remark: Callable[[Robot, int], None]  # a robot's id, for finders
     robots: list[Robot] = field(default_factory=list)
     by_name: dict[str, Robot] = field(default_factory=dict)
-    client: Connection | None = None
-    failed: Callable[[Connection, Exception], None] = raise_again
-    complain: Callable[[Robot, str], None] = lambda robot, what: None  # of a message to a robot
     time: float = 0.0
     paused: bool = False
+    client: Connection | None = None
+    complaints: list[tuple[Robot, str]] = field(default_factory=list)
     pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(
         default_factory=dict
     )
@@ -82,8 +70,16 @@ class Context:
             del actions[key]
         actions[key] = action, self.client
 
-    def carry_out(self) -> None:
-        """Call what `later` was given, robot by robot, each in the order of arrival."""
+    def complain(self, robot: Robot, what: str) -> None:
+        """A message to a robot makes no sense: `what` goes on from "somebody sent"."""
+        self.complaints.append((robot, what))
+
+    def carry_out(self) -> list[tuple[Connection, Exception]]:
+        """Call what `later` was given, robot by robot, each in the order of arrival.
+
+        What actions raised that clients have asked for, and who those are, is given back.
+        """
+        failed = []
         while self.pending:
             pending, self.pending = self.pending, {}
             for robot in sorted(pending):
@@ -93,11 +89,12 @@ class Context:
                     except Exception as error:
                         if client is None:
                             raise
-                        self.failed(client, error)
+                        failed.append((client, error))
         if self.twists:
             robots = np.array(list(self.twists), np.int64)
-            self.stage.command(robots, np.array(list(self.twists.values())))
+            self.scenery.stage.command(robots, np.array(list(self.twists.values())))
             self.twists.clear()
+        return failed
 
     def drive(self, robot: Robot, twist: tuple[float, float, float]) -> None:
         """Within an action: a velocity, in place of whatever was commanded before it."""

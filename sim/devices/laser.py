@@ -68,7 +68,7 @@ class Laser(RangingDevice):
         scan = self.payload("scans") if self.cut == self.whole else self.encode()
         if not self.with_pose:
             return ((SCAN, scan),)
-        pose = POSE.pack(*self.context.odometry.poses[self.robot.index].tolist())
+        pose = POSE.pack(*self.context.scenery.odometry.poses[self.robot.index].tolist())
         return ((SCAN_POSE, scan + pose),)
 
     def encode(self) -> bytes:

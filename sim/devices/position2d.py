@@ -86,6 +86,7 @@ class Position2d:
         self, context: Context, robot: Robot, states: StateEncoder, size: tuple[float, float, float]
     ) -> None:
         self.context = context
+        self.stage, self.odometry = context.scenery.stage, context.scenery.odometry
         self.robot = robot
         self.states = states
         self.size = size
@@ -130,16 +131,16 @@ class Position2d:
         (x, y, yaw), speed = values["pos"], values["vel"]
         goal = self.to_world((*scaled(x, y), heading(yaw)))
         self.context.undrive(self.robot)
-        self.context.stage.command_position(self.robot.index, goal, abs(speed[0]), abs(speed[2]))
+        self.stage.command_position(self.robot.index, goal, abs(speed[0]), abs(speed[2]))
 
     def steer(self, values: Values) -> None:
         self.context.undrive(self.robot)
-        self.context.stage.command_car(self.robot.index, values["velocity"], values["angle"])
+        self.stage.command_car(self.robot.index, values["velocity"], values["angle"])
 
     def head(self, values: Values) -> None:
         yaw = self.to_world((0.0, 0.0, heading(values["heading"])))[2]
         self.context.undrive(self.robot)
-        self.context.stage.command_heading(self.robot.index, values["velocity"], yaw)
+        self.stage.command_heading(self.robot.index, values["velocity"], yaw)
 
     def request(self, name: str, values: Values) -> Values | None:
         context, robot = self.context, self.robot
@@ -148,7 +149,7 @@ class Position2d:
             return {"pose": flat_pose(), "size": (width, length, height)}
         if name == "motor_power":
             on = bool(values["state"])
-            context.later(robot, lambda: context.stage.motors(robot.index, on), "motors")
+            context.later(robot, lambda: self.stage.motors(robot.index, on), "motors")
             return None
         if name == "position_mode":
             return None  # velocity or position: each command says itself which it is
@@ -164,11 +165,11 @@ class Position2d:
         raise Refused
 
     def set_odometry(self, pose: Pose) -> None:
-        robot, odometry = self.robot, self.context.odometry
+        robot, odometry = self.robot, self.odometry
         self.context.later(robot, lambda: odometry.set_odometry(robot.index, pose), "odometry")
 
     def to_world(self, pose: Pose) -> Pose:
         """A pose in the odometry's frame, in the world's, as the last tick's odometry tells."""
-        x, y, yaw = map(float, self.context.stage.poses[self.robot.index])
-        reported = tuple(map(float, self.context.odometry.poses[self.robot.index]))
+        x, y, yaw = map(float, self.stage.poses[self.robot.index])
+        reported = tuple(map(float, self.odometry.poses[self.robot.index]))
         return compose((x, y, yaw), compose(invert((reported[0], reported[1], reported[2])), pose))

@@ -25,7 +25,7 @@ class RangingDevice:
         self.encoders = encoders
         self.robot = robot
         self.slot = slot
-        group, self.row = context.suite.place(robot.index, slot)
+        group, self.row = context.scenery.suite.place(robot.index, slot)
         self.group: Group = group
 
     @property

@@ -37,7 +37,7 @@ class SensorDevice:
         self.context = context
         self.robot = robot
         self.slot = slot
-        self.group, self.row = context.suite.place(robot.index, slot)
+        self.group, self.row = context.scenery.suite.place(robot.index, slot)
 
     @property
     def sensor(self) -> int:
@@ -152,7 +152,7 @@ def carried_id(context: Context, robot: Robot, name: str, values: Values) -> Val
     fiducial = values["id"]
 
     robot.fiducial = fiducial  # known to its own clients alone, until others look
-    context.later(robot, lambda: context.remark(robot, fiducial), "fiducial")
+    context.later(robot, lambda: context.scenery.remark(robot, fiducial), "fiducial")
     return {"id": fiducial}
 
 

@@ -83,7 +83,7 @@ class Simulation:
             raise Refused
         target = self.target(values["name"])
         context = self.context
-        x, y, yaw = map(float, context.stage.poses[target.index])
+        x, y, yaw = map(float, context.scenery.stage.poses[target.index])
         if name == "get_pose2d":
             return {"name": values["name"], "pose": (x, y, yaw)}
         if name == "get_pose3d":
@@ -97,7 +97,7 @@ class Simulation:
             goal = (pose[0], pose[1], pose[-1])
             if not (sane(*goal) and self.fits(target, goal)):
                 raise Refused
-            self.later(target, "put", lambda: context.put(target, goal))
+            self.later(target, "put", lambda: context.scenery.put(target, goal))
             return None
         raise Refused
 
@@ -117,7 +117,7 @@ class Simulation:
             cos, sin = math.cos(pose[2]), math.sin(pose[2])
             corners = outline(body) @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
         least, most = corners.min(axis=0), corners.max(axis=0)
-        return bool((least >= 0).all() and (most <= self.context.stage.layout.size).all())
+        return bool((least >= 0).all() and (most <= self.context.scenery.stage.layout.size).all())
 
     def get_property(self, values: Values) -> Values:
         key = values["property"]
@@ -178,7 +178,7 @@ class Simulation:
 
     def paint(self, target: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
-        self.context.repaint(target, color)
+        self.context.scenery.repaint(target, color)
         target.record.properties["color"] = f"#{color:06x}"
 
 

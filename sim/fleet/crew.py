@@ -23,6 +23,7 @@ from player.session import (
     Subscribed,
     Unsubscribed,
 )
+from sim.devices.device import Context
 from sim.devices.switchboard import Port, Switchboard
 from sim.fleet.clocks import Clocks
 from sim.fleet.driver import Driver
@@ -58,7 +59,7 @@ class Crew:
 
     def __init__(
         self,
-        robots: list[Robot],
+        context: Context,
         server: Server,
         switchboard: Switchboard,
         fleet: Fleet,
@@ -67,8 +68,11 @@ class Crew:
         clock: Literal["all", "any"],
         stop: Callable[[Robot], None],
         say: Callable[[str], None],
+        fail_fast: bool = False,
+        while_waiting: Callable[[], None] | None = None,
     ) -> None:
-        self.robots = robots
+        self.context = context
+        self.robots = context.robots
         self.server = server
         self.switchboard = switchboard
         self.fleet = fleet
@@ -78,11 +82,10 @@ class Crew:
         self.say = say
         self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.interrupted = False
-        self.fail_fast = False
+        self.fail_fast = fail_fast
         self.failed = False  # and nobody is to be waited for any more
-        self.while_waiting: Callable[[], None] | None = None
+        self.while_waiting = while_waiting
         self.waiting = False  # for clients: a signal that comes now need not break off anything
-        self.paused: Callable[[], bool] = lambda: False
         self.paused_at = 0.0  # wall-clock time
         self.hinted = False
         self.look_at = 0.0  # when to look again who has used up the patience
@@ -138,7 +141,7 @@ class Crew:
 
     def ready(self) -> bool:
         """Whether nobody is waited for any more."""
-        return not self.paused() and self.clocks.ready()
+        return not self.context.paused and self.clocks.ready()
 
     def next_round(self) -> None:
         """Data has been published: every clock that has been served is waited for again."""
@@ -160,7 +163,7 @@ class Crew:
         now = monotonic()
         self.look_at = now + self.patience.look_after
         behind = list(self.behind.values())
-        if self.paused():
+        if self.context.paused:
             for driver in behind:
                 driver.since = now
             if self.patience.limit_of_pause(self.paused_at) <= now:

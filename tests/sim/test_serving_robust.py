@@ -322,10 +322,12 @@ def test_what_clients_leave_behind_is_bounded(run: Serving) -> None:
             client.drive(0.1)  # while the world waits, the last command is all that is kept
         client.request(POSITION2D, 0, 1)
         context, robot = run.engine.context, run.engine.robots[0]
-        assert len(context.pending[0]) == 256 + 1
+        assert len(context.pending[0]) == 256 + 3  # a velocity, a picture, a sentence
+        assert not robot.drawings  # not before the others' turn
+        assert not robot.record.said
+        client.round()
         assert sum(len(drawing.points) for drawing in robot.drawings) <= 50_000
         assert len(robot.record.said[0][1]) == 1000
-        client.round()
         assert len(robot.record.properties) == 256
 
 
