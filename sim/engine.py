@@ -54,6 +54,9 @@ class Engine:
 
     `say` is given every line that is meant for people, and `warn`, or else `say`, what they
     must not overlook. `while_waiting(engine)` is called now and then while the world waits.
+
+    `begin`, then `advance` until it returns False, then `result`; `run` does all of it, and ends
+    the processes.
     """
 
     loaded: LoadedWorld
@@ -65,6 +68,7 @@ class Engine:
     ticks: int = 0
     interrupted: bool = False
     began: float = 0.0
+    ended: Outcome | None = None  # how the run has ended, once it has
     settling: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
@@ -119,27 +123,36 @@ class Engine:
 
     def run(self, each_tick: Callable[[Engine], None] | None = None) -> Result:
         """Run to the end; the result. Whatever happens, no process is left afterwards."""
-        outcome: Outcome = "interrupted"
-        self.began = perf_counter()
         try:
-            self.enter_first()
-            self.announce()
-            self.pace.begin()
-            while (ended := self.outcome()) is None:
-                self.crew.wait()
-                if (ended := self.outcome()) is not None:
-                    break
-                self.tick()
+            self.begin()
+            while self.advance():
                 if each_tick is not None:
                     each_tick(self)
                 self.keep_pace()
-            outcome = ended
-            if outcome == "interrupted":
+            if self.ended == "interrupted":
                 self.crew.tell_awaited()
             wall_time = perf_counter() - self.began
         finally:
             self.crew.dismiss()
-        return self.result(outcome, wall_time)
+        return self.result(self.ended or "interrupted", wall_time)
+
+    def begin(self) -> None:
+        """The robots of the start enter, and the clock begins."""
+        self.began = perf_counter()
+        self.enter_first()
+        self.announce()
+        self.pace.begin()
+
+    def advance(self) -> bool:
+        """One tick, after the wait for all controllers; False, without it, if the run is over."""
+        self.ended = self.outcome()
+        if self.ended is None:
+            self.crew.wait()
+            self.ended = self.outcome()
+        if self.ended is not None:
+            return False
+        self.tick()
+        return True
 
     def enter_first(self) -> None:
         """The robots that are there from the start enter; all perceive for the first time."""
