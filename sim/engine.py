@@ -24,9 +24,11 @@ from sim.entry import Entry
 from sim.fleet.crew import Crew, Patience
 from sim.fleet.fleet import Fleet
 from sim.pace import Pace
+from sim.ports import Ports
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result
 from sim.robot import Robot
 from sim.scenery import Scenery
+from sim.sensing import Sensing
 from sim.spray import Spraying, close
 from sim.stage.doors import Doors
 from sim.worldfile import LoadedWorld
@@ -79,31 +81,41 @@ class Engine:
         self.spraying = Spraying(self.scenery.floor)
         self.context = Context(self.scenery, self.interval)
         self.switchboard = Switchboard(self.context, self.say)
+        self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
+        patience = Patience(self.settings.patience)
         self.robots = self.context.robots
         self.crew = Crew(
             self.context,
             self.server,
             self.switchboard,
             self.fleet,
-            patience=Patience(self.settings.patience),
+            patience=patience,
             clock=world.player.clock,
             stop=self.stop_robot,
             say=self.say,
             fail_fast=self.settings.fail_fast,
             while_waiting=self.while_waiting and partial(self.while_waiting, self),
         )
+        self.ports = Ports(
+            world.player,
+            world.controllers,
+            self.settings.listen,
+            self.context,
+            self.switchboard,
+            self.server,
+            patience=patience.entry,
+            say=self.say,
+            warn=self.warn or self.say,
+        )
         self.entry = Entry(
             self.loaded,
             self.settings.seed,
-            self.settings.listen,
-            self.scenery,
             self.context,
             self.switchboard,
+            self.sensing,
             self.spraying,
+            self.ports,
             self.crew,
-            self.server,
-            self.say,
-            self.warn or self.say,
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
@@ -159,7 +171,7 @@ class Engine:
         for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
             self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
-        self.sense()
+        self.sensing.sense(self.ticks, self.time)
 
     def announce(self) -> None:
         """Say what a world is going to do in which nobody drives."""
@@ -167,7 +179,7 @@ class Engine:
         if self.loaded.layout.doors or any(robot.driver.kind != "none" for robot in robots):
             return
         who = "no robot here has a controller" if robots else "there are no robots in this world"
-        guests = ", or as clients drive them" if robots and self.entry.open else ""
+        guests = ", or as clients drive them" if robots and self.ports.open else ""
         moves = f": things move by themselves{guests}" if robots else ": nothing drives"
         self.say(f"{who}{moves}, for {self.settings.duration:g} simulated seconds")
 
@@ -181,7 +193,7 @@ class Engine:
         self.context.time = self.time
         self.spraying.mark(ways)
         self.open_doors()
-        self.sense()
+        self.sensing.sense(self.ticks, self.time)
         self.switchboard.stamp(self.time)
         for connection, error in self.switchboard.publish(self.time):
             self.crew.expel(connection, error)
@@ -229,14 +241,6 @@ class Engine:
             pose = np.array([*cell.centre, cell.heading])
             self.entry.enter(name, cell.model, cell.controller, pose, self.time)
         self.doors.begin(self.scenery.stage)
-
-    def sense(self) -> None:
-        """All robots perceive, in one batch; only what somebody reads is computed."""
-        self.scenery.refresh()
-        self.scenery.odometry.update(self.scenery.stage.poses, self.interval, self.ticks)
-        wanted = None if self.settings.sense_all else self.entry.wanted()
-        self.scenery.suite.sense(self.ticks, self.time, wanted)
-        self.entry.encode(self.ticks)
 
     def record(self) -> None:
         """Digest and counters."""

@@ -12,6 +12,7 @@ from sim.devices.ranging import Ranger, Sonar
 from sim.devices.seeing import Blobfinder, FiducialFinder, Marker
 from sim.devices.simulation import Simulation
 from sim.robot import Robot
+from sim.stage.geometry import size_of
 
 
 def robot_devices(
@@ -19,15 +20,14 @@ def robot_devices(
     encoders: Encoders,
     states: StateEncoder,
     robot: Robot,
-    size: tuple[float, float, float],
 ) -> list[Device]:
     """A robot's devices, in the order in which they take their interface's indices.
 
-    `size` is the body's length, width and height in metres. A laser is served as a ranger too,
+    A laser is served as a ranger too,
     after the model's rangers, and a ranger of several elements as a sonar: old programs ask for
     the one, newer ones for the other.
     """
-    model = robot.model
+    model, size = robot.model, size_of(robot.model.body)
     devices: list[Device] = []
     twins: list[Device] = []
     if model.drive is not None:

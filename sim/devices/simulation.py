@@ -9,14 +9,12 @@ import struct
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
-import numpy as np
-
 from player import DeviceAddr
 from player.codes import Interface
 from sim import strictjson
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
 from sim.robot import Robot
-from sim.stage.geometry import outline
+from sim.stage.geometry import extent
 
 COLOR = struct.Struct("<4f")
 TIME = struct.Struct("<Q")
@@ -110,13 +108,7 @@ class Simulation:
 
     def fits(self, target: Robot, pose: tuple[float, float, float]) -> bool:
         """Whether a robot's body lies in the world at a pose: there is no place outside."""
-        body = target.model.body
-        if body.shape == "circle":
-            corners = np.array([[-body.radius] * 2, [body.radius] * 2]) + pose[:2]
-        else:
-            cos, sin = math.cos(pose[2]), math.sin(pose[2])
-            corners = outline(body) @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
-        least, most = corners.min(axis=0), corners.max(axis=0)
+        least, most = extent(target.model.body, pose)
         return bool((least >= 0).all() and (most <= self.context.scenery.stage.layout.size).all())
 
     def get_property(self, values: Values) -> Values:
