@@ -21,8 +21,11 @@ from player.server import Server
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.entry import Entry
+from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
+from sim.fleet.drivers import Drivers
 from sim.fleet.fleet import Fleet
+from sim.fleet.routing import Router
 from sim.pace import Pace
 from sim.ports import Ports
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result
@@ -84,16 +87,21 @@ class Engine:
         self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
         patience = Patience(self.settings.patience)
         self.robots = self.context.robots
+        self.drivers = Drivers(
+            self.robots,
+            Clocks(any_clock=world.player.clock == "any"),
+            self.stop_robot,
+            fail_fast=self.settings.fail_fast,
+        )
+        self.router = Router(self.switchboard, self.drivers, self.say)
         self.crew = Crew(
             self.context,
             self.server,
-            self.switchboard,
             self.fleet,
+            self.drivers,
+            self.router,
             patience=patience,
-            clock=world.player.clock,
-            stop=self.stop_robot,
             say=self.say,
-            fail_fast=self.settings.fail_fast,
             while_waiting=self.while_waiting and partial(self.while_waiting, self),
         )
         self.ports = Ports(
@@ -196,7 +204,7 @@ class Engine:
         self.sensing.sense(self.ticks, self.time)
         self.switchboard.stamp(self.time)
         for connection, error in self.switchboard.publish(self.time):
-            self.crew.expel(connection, error)
+            self.router.expel(connection, error)
         self.server.flush()
         self.crew.next_round()
         self.record()
@@ -208,7 +216,7 @@ class Engine:
         """
         while failed := self.context.carry_out():
             for client, error in failed:
-                self.crew.expel(client, error)
+                self.router.expel(client, error)
 
     def stop_robot(self, robot: Robot) -> None:
         """Nobody drives a robot any more: it brakes, its sprayers close."""
@@ -272,12 +280,12 @@ class Engine:
         """How the run has ended, None while it goes on."""
         if self.interrupted or self.crew.interrupted:
             return "interrupted"
-        if self.crew.failed:
+        if self.drivers.failed:
             return "controller_failed"
         over = self.time >= self.settings.duration - 1e-9
         waits_for_time = self.waits_for_time
         entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
-        done = not waits_for_time and not self.crew.running and entered
+        done = not waits_for_time and not self.drivers.running and entered
         if not over and not done:
             return None
         states = {robot.record.state for robot in self.robots}

@@ -66,7 +66,7 @@ class Entry:
         self.context.admit(robot)
         self.spraying.admit(robot)
         first = self.ports.place(robot, self.sensing.devices(robot))
-        self.crew.enter(robot)
+        self.crew.drivers.enter(robot)
         number = self.ports.serve(robot, first)
         if robot.driver.launched:
             assert controller is not None

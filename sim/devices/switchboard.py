@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable
 from player import messages
 from player.codes import DeviceAddr, MessageType
 from player.directory import Directory
+from player.events import Command, Request
 from player.server import Connection
-from player.session import Command, Request
 from sim.devices.device import Context, Device, Refused
 from sim.robot import Robot
 
