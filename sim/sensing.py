@@ -10,10 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.devices.batch import Encoders
 from sim.devices.build import robot_devices
 from sim.devices.device import Context, Device
-from sim.devices.position2d import StateEncoder
+from sim.devices.encoding import Encodings
 from sim.devices.switchboard import Switchboard
 from sim.robot import Robot
 
@@ -28,13 +27,12 @@ class Sensing:
         self.scenery = context.scenery
         self.switchboard = switchboard
         self.everything = everything
-        self.encoders = Encoders()
-        self.states = StateEncoder()
+        self.encodings = Encodings()
         self.flags: NDArray[np.bool_] = np.zeros(0, bool)  # by sensor
 
     def devices(self, robot: Robot) -> list[Device]:
         """A robot's devices, whose readings are made here."""
-        return robot_devices(self.context, self.encoders, self.states, robot)
+        return robot_devices(self.context, self.encodings, robot)
 
     def sense(self, tick: int, time: float) -> None:
         """Bring what can be seen, felt and measured by wheels up to date, and perceive it."""
@@ -47,8 +45,8 @@ class Sensing:
         scenery, stage = self.scenery, self.scenery.stage
         wanted = None if self.everything else self.wanted()
         scenery.suite.sense(tick, time, wanted)
-        self.encoders.tick = tick
-        self.states.update(scenery.odometry.poses, stage.velocities, stage.stalls)
+        self.encodings.tick = tick
+        self.encodings.states.update(scenery.odometry.poses, stage.velocities, stage.stalls)
 
     def wanted(self) -> NDArray[np.bool_]:
         """For every sensor of every robot, whether somebody reads it."""

@@ -12,9 +12,9 @@ import numpy as np
 from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Scans
-from sim.devices.batch import Encoders, told
 from sim.devices.device import Context, Refused, Values, finite, flat_pose, limited
-from sim.devices.ranging import SENSOR_SIZE, RangingDevice
+from sim.devices.encoding import Encodings, told
+from sim.devices.sensor import SENSOR_SIZE, SensorDevice
 from sim.robot import Robot
 
 HEAD = struct.Struct(">ffffII")
@@ -42,7 +42,7 @@ class Cut:
     intensity: bool = False
 
 
-class Laser(RangingDevice):
+class Laser(SensorDevice):
     """A scan on Player's laser interface.
 
     A client may narrow it, thin it out and shorten it (SET_CONFIG): whatever it asks for is cut
@@ -51,8 +51,8 @@ class Laser(RangingDevice):
 
     addr = DeviceAddr(Interface.LASER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: Robot, slot: int) -> None:
-        super().__init__(context, encoders, robot, slot)
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
+        super().__init__(context, encodings, robot, sensor)
         assert isinstance(self.group.readings, Scans)
         self.whole = Cut(0, self.scans.ranges.shape[1] - 1, 1, self.scans.max_range)
         self.cut = self.whole
@@ -101,7 +101,7 @@ class Laser(RangingDevice):
         if name == "get_config":
             return self.configuration()
         if name == "get_id":
-            return {"serial_number": self.slot}
+            return {"serial_number": self.sensor}
         if name == "power":
             return None
         if name == "get_bool_property" and values["key"] == WITH_POSE:

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.codes import Interface
@@ -22,40 +18,14 @@ from sim.devices.device import (
     sane,
     scaled,
 )
+from sim.devices.encoding import Encodings
 from sim.robot import Robot
-
-STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
+from sim.stage.geometry import size_of
 
 Pose = tuple[float, float, float]
 
 DRIVE = "drive"
 """The key of all that sets a robot's motion: of several commands in a tick the last one wins."""
-
-
-class StateEncoder:
-    """The state messages of all robots, encoded together once per tick."""
-
-    def __init__(self) -> None:
-        self.rows: NDArray[Any] = np.zeros(0, STATE)
-        self.data = b""
-
-    def update(
-        self,
-        poses: NDArray[np.float64],
-        velocities: NDArray[np.float64],
-        stalls: NDArray[np.bool_],
-    ) -> None:
-        """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
-        if len(self.rows) != len(poses):
-            self.rows = np.zeros(len(poses), STATE)
-        self.rows["pose"] = poses
-        self.rows["velocity"] = velocities
-        self.rows["stall"] = stalls
-        self.data = self.rows.tobytes()
-
-    def payload(self, robot: int) -> bytes:
-        """Robot's message."""
-        return self.data[robot * STATE.itemsize : (robot + 1) * STATE.itemsize]
 
 
 def compose(a: Pose, b: Pose) -> Pose:
@@ -82,14 +52,11 @@ def invert(a: Pose) -> Pose:
 class Position2d:
     """A robot's drive and odometry."""
 
-    def __init__(
-        self, context: Context, robot: Robot, states: StateEncoder, size: tuple[float, float, float]
-    ) -> None:
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot) -> None:
         self.context = context
         self.stage, self.odometry = context.scenery.stage, context.scenery.odometry
         self.robot = robot
-        self.states = states
-        self.size = size
+        self.states = encodings.states
         self.addr = DeviceAddr(Interface.POSITION2D, 0)
         drive = robot.model.drive
         self.kind = "differential" if drive is None else drive.kind
@@ -145,7 +112,7 @@ class Position2d:
     def request(self, name: str, values: Values) -> Values | None:
         context, robot = self.context, self.robot
         if name == "geometry":
-            length, width, height = self.size
+            length, width, height = size_of(robot.model.body)
             return {"pose": flat_pose(), "size": (width, length, height)}
         if name == "motor_power":
             on = bool(values["state"])

@@ -1,7 +1,7 @@
 """The crew: controllers' processes from start to end, and the wait for all controllers.
 
-Rules: the world moves on when every robot's clock has asked for data. What is decided here depends on
-what the controllers say and do, never on which of them is quicker; the wall clock only ends the
+Rules: the world moves on when every robot's clock has asked for data. What is decided here depends
+on what the controllers say and do, never on which of them is quicker; the wall clock only ends the
 wait for a controller that hangs.
 """
 

@@ -1,8 +1,7 @@
-"""dio (a robot's sprayer), speech and graphics2d: what a robot does besides driving."""
+"""graphics2d: shapes that a robot's program draws into the video."""
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 
 import numpy as np
@@ -12,67 +11,10 @@ from player.codes import Interface
 from sim.devices.device import FARTHEST, Context, Refused, Values
 from sim.robot import Drawing, Robot
 
-MAX_SAID = 10_000
-"""Sentences kept of one robot."""
-LONGEST_SAID = 1_000
-"""Characters kept of one sentence."""
 MAX_DRAWINGS = 2_000
 """Shapes kept of one robot: older ones go."""
 MAX_POINTS = 50_000
 """Points kept of one robot's shapes in all: again, older ones go."""
-
-DIO = struct.Struct(">II")
-
-
-class Sprayer:
-    """A sprayer on Player's dio interface: bit 0 turns it on and off."""
-
-    def __init__(self, context: Context, robot: Robot, index: int) -> None:
-        self.context = context
-        self.robot = robot
-        self.index = index
-        self.sprayer = robot.sprayers[index]
-        self.addr = DeviceAddr(Interface.DIO, index)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, DIO.pack(1, int(self.sprayer.on))),)
-
-    def command(self, name: str, values: Values) -> None:
-        if name != "values" or values["count"] < 1:
-            return
-        on = bool(values["bits"] & 1)
-        self.context.later(self.robot, lambda: self.turn(on), ("sprayer", self.index))
-
-    def turn(self, on: bool) -> None:
-        self.sprayer.on = on
-
-    def request(self, name: str, values: Values) -> Values | None:
-        raise Refused
-
-
-class Speech:
-    """What a robot says: kept with the time, shown in the video."""
-
-    def __init__(self, context: Context, robot: Robot) -> None:
-        self.context = context
-        self.robot = robot
-        self.addr = DeviceAddr(Interface.SPEECH, 0)
-        self.count = 0  # of what is said, or is going to be
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ()
-
-    def command(self, name: str, values: Values) -> None:
-        if name == "say" and self.count < MAX_SAID:
-            self.count += 1
-            text = values["text"][:LONGEST_SAID]
-            self.context.later(self.robot, lambda: self.say(text))
-
-    def say(self, text: str) -> None:
-        self.robot.record.said.append((self.context.time, text))
-
-    def request(self, name: str, values: Values) -> Values | None:
-        raise Refused
 
 
 class Graphics2d:
