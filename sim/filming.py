@@ -132,15 +132,15 @@ class Film:
 
     def view(self, engine: Engine) -> FrameView:
         """The moment that the engine is at."""
-        scenery, context = engine.scenery, engine.context
-        records = context.records
-        for record in records[self.robots :]:
-            body = engine.loaded.world.models[record.model].body
+        scenery = engine.scenery
+        records = [robot.record for robot in engine.robots]
+        for robot in engine.robots[self.robots :]:
+            body = robot.model.body
             shape = body.radius if body.shape == "circle" else outline(body)
             for each in (self.recorder, self.still):
                 if each is not None:
-                    each.add_robot(record.name, shape)
-        self.robots = len(records)
+                    each.add_robot(robot.name, shape)
+        self.robots = len(engine.robots)
         if self.movables is None:
             self.movables = [
                 (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
@@ -151,7 +151,7 @@ class Film:
         return FrameView(
             time=engine.time,
             poses=scenery.stage.poses,
-            colors=np.array(context.colors, np.int64),
+            colors=np.array([robot.color for robot in engine.robots], np.int64),
             coverage=scenery.floor.coverage if paints else None,
             said=[record.said[-1][1] if record.said else "" for record in records],
             said_at=[record.said[-1][0] if record.said else 0.0 for record in records],
@@ -205,9 +205,9 @@ class Film:
     def drawings(self, engine: Engine) -> list[Drawing]:
         """What programs have drawn, in world coordinates."""
         drawn: list[Drawing] = []
-        for robot, shapes in engine.context.drawings.items():
-            pose = engine.scenery.stage.poses[robot]
-            for shape in shapes:
+        for robot in engine.robots:
+            pose = engine.scenery.stage.poses[robot.index]
+            for shape in robot.drawings:
                 points = np.array(shape.points, float).reshape(-1, 2)
                 if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e6:
                     continue

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING
 
 from sim.engine import Engine, Settings
@@ -52,9 +51,7 @@ def run_world(
             watch(engine)
 
     try:
-        engine = Engine(loaded, settings, fleet, say, warn)
-        if while_waiting is not None:
-            engine.crew.while_waiting = partial(while_waiting, engine)
+        engine = Engine(loaded, settings, fleet, say, warn, while_waiting)
         with interrupts.heard_by(engine):
             return engine.run(after_tick if watchers else None)
     finally:

@@ -75,7 +75,7 @@ def test_no_more_processes_are_alive_than_there_are_active_robots() -> None:
                 for child in psutil.Process().children(recursive=True)
                 if child.status() != psutil.STATUS_ZOMBIE
             ]
-            active = sum(driver.running for driver in engine.crew.drivers)
+            active = sum(robot.driver.running for robot in engine.robots)
             counts.append((len(alive), active))
 
     loaded = load_world(WORLDS / "fcdfs_corridor.yaml")

@@ -71,6 +71,14 @@ def test_the_first_command_compiles_everything_and_later_ones_mend_what_is_damag
         later = troupe(tmp_path, *words)
         assert (later.returncode, later.stderr) == (0, ""), words
 
+    (kept,) = tmp_path.glob("sensors_*")
+    warm = troupe(tmp_path, "warm")
+    assert (warm.returncode, warm.stderr) == (0, "")
+    assert warm.stdout == f"all kernels are compiled, and kept in {kept}\n"
+    for mark in kept.glob("*.warm"):
+        mark.unlink()
+    assert troupe(tmp_path, "warm").stderr == KEPT.format(kept) + "\n"
+
     (folder,) = tmp_path.glob("gridworld_*")
     for number, path in enumerate(sorted(folder.glob("*.nb?"))):
         path.write_bytes(path.read_bytes()[: (number % 3) * 40])
@@ -148,13 +156,3 @@ def test_where_nothing_can_be_kept_it_is_said_with_what_to_do() -> None:
     done = python(NOWHERE.format(words=["disperse", "--grid", "3x3", "--door", "1,1"]))
     assert done.returncode == 0, done.stderr
     assert done.stderr == f"compiling (it may take a minute); {NOT_KEPT}\n"
-
-
-def test_warm_tells_what_it_does_and_where_it_keeps_it(cache: Path) -> None:
-    done = troupe(cache, "warm")
-    (folder,) = cache.glob("sensors_*")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"all kernels are compiled, and kept in {folder}\n"
-    for mark in folder.glob("*.warm"):
-        mark.unlink()
-    assert troupe(cache, "warm").stderr == KEPT.format(folder) + "\n"
