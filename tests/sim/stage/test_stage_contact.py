@@ -130,7 +130,7 @@ def test_a_light_robot_between_a_heavy_one_and_a_wall_is_not_squashed(
         for name, mass in (("heavy", heavy), ("light", light))
     }
     _, stage = set_up(models=models)
-    for number, x in enumerate([9.7, 9.1]):
+    for x in (9.7, 9.1):
         stage.add_robot("light", (x, 5.0, yaw))
     stage.add_robot("heavy", (8.2, 5.0, 0.0))
     stage.command([2], [[speed, 0.0, 0.0]])

@@ -338,7 +338,7 @@ def crowded() -> Stage:
 )
 def test_no_robot_is_put_into_anything(pose: tuple[float, float, float]) -> None:
     stage = crowded()
-    with pytest.raises(ValueError, match="robot a has no room"):
+    with pytest.raises(ValueError, match="robot 0 has no room"):
         stage.set_pose(0, pose)
     assert stage.poses[0] == pytest.approx([2, 2, 0])
 
