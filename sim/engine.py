@@ -25,6 +25,7 @@ from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
 from sim.fleet.drivers import Drivers
 from sim.fleet.fleet import Fleet
+from sim.fleet.functions import Controllers, Functions
 from sim.fleet.routing import Router
 from sim.pace import Pace
 from sim.ports import Ports
@@ -61,6 +62,8 @@ class Engine:
 
     `say` is given every line that is meant for people, and `warn`, or else `say`, what they
     must not overlook. `while_waiting(engine)` is called now and then while the world waits.
+    `controllers`: True for those of the world, False for none; or by name whether one is started
+    as in the world, or the function that drives its robots instead.
 
     `begin`, then `advance` until it returns False, then `result`; `run` does all of it, and ends
     the processes.
@@ -72,9 +75,11 @@ class Engine:
     say: Callable[[str], None]
     warn: Callable[[str], None] | None = None
     while_waiting: Callable[[Engine], None] | None = None
+    controllers: Controllers = True
     ticks: int = 0
     interrupted: bool = False
     began: float = 0.0
+    enough: bool = False  # told from outside that the run has come to its end
     ended: Outcome | None = None  # how the run has ended, once it has
     settling: set[int] = field(default_factory=set)
 
@@ -106,6 +111,7 @@ class Engine:
             say=self.say,
             while_waiting=self.while_waiting and partial(self.while_waiting, self),
         )
+        self.functions = Functions()
         self.ports = Ports(
             world.player,
             world.controllers,
@@ -126,6 +132,8 @@ class Engine:
             self.spraying,
             self.ports,
             self.crew,
+            self.controllers,
+            self.functions,
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
@@ -174,6 +182,8 @@ class Engine:
         if self.ended is not None:
             return False
         self.tick()
+        for index in self.functions.call(self.ticks, self.time):
+            self.drivers.end(self.robots[index].driver, "finished", 0, None)
         return True
 
     def enter_first(self) -> None:
@@ -298,6 +308,8 @@ class Engine:
             return "interrupted"
         if self.drivers.failed:
             return "controller_failed"
+        if self.enough:
+            return "completed"
         over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
         entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be

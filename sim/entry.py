@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.fleet.crew import Crew
-from sim.fleet.driver import Driver
-from sim.fleet.launching import environment, kind_of, launch_of
+from sim.fleet.driver import Driver, Kind
+from sim.fleet.functions import Controller, Controllers, DirectClient, Functions
+from sim.fleet.launching import environment, kind_of, launch_of, robot_seed
 from sim.ports import Ports, reachable
 from sim.result import RobotRecord
 from sim.robot import Robot, Sprayer
@@ -33,6 +34,8 @@ class Entry:
     spraying: Spraying
     ports: Ports
     crew: Crew
+    controllers: Controllers
+    functions: Functions
 
     def enter(
         self,
@@ -45,7 +48,7 @@ class Entry:
         """A robot enters at a pose (x, y, yaw) and its controller is started."""
         world = self.loaded.world
         model = world.models[model_name]
-        kind = kind_of(controller, world.controllers)
+        kind, function = self.driven_by(controller)
         index, entity = self.context.scenery.add_robot(name, model_name, model, pose)
         start = (float(pose[0]), float(pose[1]), float(wrapped(pose[2])))
         record = RobotRecord(
@@ -69,10 +72,25 @@ class Entry:
         first = self.ports.place(robot, self.sensing.devices(robot))
         self.crew.drivers.enter(robot)
         number = self.ports.serve(robot, first)
+        if function is not None:
+            client = DirectClient(
+                name, robot_seed(self.seed, name), robot.port, self.sensing.read, self.context
+            )
+            self.functions.add(index, client, function)
         if robot.driver.launched:
             assert controller is not None
             self.launch(robot, controller, number, first)
         return robot
+
+    def driven_by(self, controller: str | None) -> tuple[Kind, Controller | None]:
+        """How robots of a controller are driven in this run, and the function if one drives."""
+        kind = kind_of(controller, self.loaded.world.controllers)
+        if controller is None or isinstance(self.controllers, bool):
+            return (kind if self.controllers else "none"), None
+        told = self.controllers.get(controller, False)
+        if callable(told):
+            return "function", told
+        return (kind if told else "none"), None
 
     def launch(self, robot: Robot, controller: str, number: int | None, first: int) -> None:
         """Start a robot's controller; clients over TCP find it at port `number`, index `first`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,11 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
     )
 
 
+def shape_of(body: Any) -> Shape:
+    """A body's outline in its own frame, or its radius."""
+    return body.radius if body.shape == "circle" else outline(body)
+
+
 class Film:
     """Hands a view of the engine to the video whenever a frame is due, and to the picture once."""
 
@@ -135,17 +140,12 @@ class Film:
         scenery = engine.scenery
         records = [robot.record for robot in engine.robots]
         for robot in engine.robots[self.robots :]:
-            body = robot.model.body
-            shape = body.radius if body.shape == "circle" else outline(body)
             for each in (self.recorder, self.still):
                 if each is not None:
-                    each.add_robot(robot.name, shape)
+                    each.add_robot(robot.name, shape_of(robot.model.body))
         self.robots = len(engine.robots)
         if self.movables is None:
-            self.movables = [
-                (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
-                for m in engine.loaded.layout.movables
-            ]
+            self.movables = [(shape_of(m.body), m.color) for m in engine.loaded.layout.movables]
         paints = scenery.floor.painted_area > 0.0
         settled = np.array([record.state in ENDED for record in records], bool)
         return FrameView(

@@ -29,6 +29,7 @@ class Sensing:
         self.everything = everything
         self.encodings = Encodings()
         self.flags: NDArray[np.bool_] = np.zeros(0, bool)  # by sensor
+        self.asked: set[int] = set()  # slots of sensors that are read from Python
 
     def devices(self, robot: Robot) -> list[Device]:
         """A robot's devices, whose readings are made here."""
@@ -48,6 +49,27 @@ class Sensing:
         self.encodings.tick = tick
         self.encodings.states.update(scenery.odometry.poses, stage.velocities, stage.stalls)
 
+    def want(self, slots: NDArray[np.int64]) -> None:
+        """Sensors, by their slots (k,), are read from Python from now on, and at once."""
+        new = set(slots.tolist()) - self.asked
+        if not new:
+            return
+        self.asked |= new
+        self.switchboard.changed = True
+        self.perceive(self.encodings.tick, self.context.time)
+
+    def read(self, device: Device) -> None:
+        """A device is read from Python from now on, and has its reading of this tick."""
+        sensor = getattr(device, "sensor", None)
+        if sensor is not None:
+            suite = self.scenery.suite
+            self.want(np.array([suite.first_slot[device.robot.index] + sensor]))
+
+    def look_again(self) -> None:
+        """Something was moved by hand: bring what is read up to date within the tick."""
+        self.scenery.refresh()
+        self.perceive(self.encodings.tick, self.context.time)
+
     def wanted(self) -> NDArray[np.bool_]:
         """For every sensor of every robot, whether somebody reads it."""
         suite = self.scenery.suite
@@ -57,5 +79,6 @@ class Sensing:
                 sensor = getattr(device, "sensor", None)
                 if sensor is not None:
                     self.flags[suite.first_slot[device.robot.index] + sensor] = True
+            self.flags[list(self.asked)] = True
             self.switchboard.changed = False
         return self.flags

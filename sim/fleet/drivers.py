@@ -45,7 +45,7 @@ class Drivers:
 
     def enter(self, robot: Robot) -> None:
         """A robot has entered; its controller, if any, is waited for until its first request."""
-        if robot.driver.kind != "none":
+        if robot.driver.kind not in ("none", "function"):
             self.clocks.enter(robot.driver)
 
     def is_own(self, driver: Driver, connection: Connection) -> bool:
