@@ -16,9 +16,10 @@ from troupe._packages import claim_names
 
 if TYPE_CHECKING:
     from sim.result import Result
+    from troupe.sweep.collect import read_sweep
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "run"]
+__all__ = ["__version__", "read_sweep", "run"]
 
 claim_names()
 
@@ -104,3 +105,12 @@ def run(
     if done.video_error is not None:
         warnings.warn(done.video_error, RuntimeWarning, stacklevel=2)
     return done.result
+
+
+def __getattr__(name: str) -> object:
+    """`troupe.read_sweep`, loaded when it is first asked for."""
+    if name == "read_sweep":
+        from troupe.sweep.collect import read_sweep  # noqa: PLC0415 - `import troupe` stays light
+
+        return read_sweep
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

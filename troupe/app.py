@@ -15,6 +15,7 @@ from troupe.commands.print_ import print_
 from troupe.commands.run import run
 from troupe.commands.schema import schema
 from troupe.commands.sensors import sensors
+from troupe.commands.sweep import sweep
 from troupe.commands.warm import warm
 from troupe.commands.worlds import worlds
 
@@ -42,6 +43,7 @@ def options(
 
 
 app.command("run")(run)
+app.command("sweep")(sweep)
 app.command("worlds")(worlds)
 app.command("check")(check)
 app.command("schema")(schema)
