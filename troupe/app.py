@@ -12,6 +12,7 @@ from troupe.commands.devices import devices
 from troupe.commands.disperse import disperse
 from troupe.commands.import_ import import_
 from troupe.commands.print_ import print_
+from troupe.commands.report import report
 from troupe.commands.run import run
 from troupe.commands.schema import schema
 from troupe.commands.sensors import sensors
@@ -44,6 +45,7 @@ def options(
 
 app.command("run")(run)
 app.command("sweep")(sweep)
+app.command("report")(report)
 app.command("worlds")(worlds)
 app.command("check")(check)
 app.command("schema")(schema)

@@ -129,8 +129,8 @@ def sweep(
 
 
 def tell(text: str) -> None:
-    for line in printable_lines(text):
-        print(line, file=sys.stderr)
+    if text:
+        print(printable_lines(text), file=sys.stderr)
 
 
 def checked(
@@ -234,7 +234,7 @@ def summary(session: Session, plan: Plan, out: Path) -> str:
     """What the command prints in the end."""
     number = session.ran.total()
     there = session.known + session.ran
-    failed = sum(count for outcome, count in there.items() if outcome not in ("completed",))
+    failed = sum(count for outcome, count in there.items() if outcome != "completed")
     lines = [
         f"{session.asked} runs of {len(plan.points)} combinations: {number} run now, "
         f"{session.known.total()} were there, {session.missing} are missing"

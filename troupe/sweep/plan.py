@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from sim.worldfile import LoadedWorld, WorldError, load
-from sim.worldfile.mistakes import Mistake
+from sim.worldfile.mistakes import MOST_TOLD, Mistake
 from troupe.sweep.fingerprint import Fingerprint, fingerprint
-from troupe.sweep.seeds import Unusable, parse_seeds, written
+from troupe.sweep.seeds import parse_seeds, written
 from troupe.sweep.spec import Combination
+from troupe.usage import UsageError
 from troupe.worlds import find_world
 
 FORMAT = 1
@@ -141,7 +142,7 @@ def drivers(loaded: LoadedWorld) -> set[str]:
 def make_plan(
     asked: Sequence[Combination], duration: float | None, about: Mapping[str, Any]
 ) -> Plan:
-    """Check every combination; raises Unusable with every mistake of all of them, each once.
+    """Check every combination; raises UsageError with every mistake of all of them, each once.
 
     Combinations of the same effect are one: they would be the same runs.
     """
@@ -158,7 +159,7 @@ def make_plan(
             loaded, mark, most = load_point(path, as_settings(one.settings), duration)
         except WorldError as error:
             for mistake in error.mistakes:
-                found.setdefault(str(mistake), []).append(one)
+                found.setdefault(text_of(mistake), []).append(one)
             continue
         seeds = (loaded.world.seed,) if one.seeds is None else one.seeds
         known = points.get(mark.hash)
@@ -168,8 +169,17 @@ def make_plan(
             else replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *seeds))))
         )
     if found:
-        raise Unusable(*(Mistake((), told(text, at, len(asked))) for text, at in found.items()))
+        texts = [told(text, at, len(asked)) for text, at in found.items()]
+        more = [f"... and {len(texts) - MOST_TOLD} more mistakes"] * (len(texts) > MOST_TOLD)
+        raise UsageError("\n".join([*texts[:MOST_TOLD], *more]))
     return Plan(tuple(points.values()), {**about, "paths": paths})
+
+
+def text_of(mistake: Mistake) -> str:
+    """A mistake as a line, which is the same for all values of a setting if it is about the key."""
+    if mistake.file is not None and mistake.file.startswith("--set "):
+        return str(replace(mistake, file=mistake.file.partition("=")[0]))
+    return str(mistake)
 
 
 def told(text: str, at: Sequence[Combination], number: int) -> str:

@@ -43,7 +43,7 @@ def rows_of(plans: Sequence[Plan], found: Mapping[str, Line]) -> tuple[list[Row]
                 "wall_time": record.get("wall_time"),
                 "speed": record.get("speed"),
                 "tries": record["tries"],
-                "host": record["machine"]["host"],
+                **record["machine"],
             }
     order = sorted(results, key=lambda name: place_of(results[name], parameters))
     return [results[name] for name in order], [timings[name] for name in order]
