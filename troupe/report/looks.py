@@ -16,9 +16,6 @@ from troupe.report.groups import Group, Measure
 from troupe.sweep.plan import Plan, Point, as_settings, load_point
 from troupe.sweep.rows import Row
 
-PICTURE = (640, 640)
-"""The larger side of a picture in pixels, whatever the world's shape."""
-
 PATIENT = 60.0
 """Seconds that a run may have taken to be run again for a picture."""
 

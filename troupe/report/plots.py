@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from troupe.report.groups import Group, Measure, Pairing, short, shown
+from troupe.report.groups import Group, Measure, Pairing, is_number, short, shown
 from troupe.sweep.statistics import middle
 from troupe.usage import UsageError
 
@@ -68,6 +68,8 @@ def against(
     random = np.random.default_rng(1)
     spread = 0.7 / len(series)
     total = sum(len(group.rows) for group in groups)
+    alpha = 0.6 if total <= 200 else 0.3
+    line = "-" if all(is_number(value) for value in levels) else ""  # texts have no order
     for number, (label, members) in enumerate(series.items()):
         color = COLORS[number % len(COLORS)]
         middles: list[tuple[float, float]] = []
@@ -79,7 +81,7 @@ def against(
             centre = place + (number - (len(series) - 1) / 2) * spread
             jitter = random.uniform(-0.3, 0.3, len(values)) * spread
             axes.plot(
-                centre + jitter, values, ".", color=color, alpha=0.35, markersize=4,
+                centre + jitter, values, ".", color=color, alpha=alpha, markersize=6,
                 markeredgewidth=0, rasterized=total > MOST_DRAWN,
             )  # fmt: skip
             found = middle(values, f"{measure.name} {factor} {shown(value)} {label}")
@@ -87,8 +89,8 @@ def against(
             middles.append((centre, found.median))
         if middles:
             x, y = zip(*middles, strict=True)
-            axes.plot(x, y, "-o", color=color, linewidth=0.8, markersize=6, label=label or None,
-                      markerfacecolor="white")  # fmt: skip
+            axes.plot(x, y, f"{line}o", color=color, linewidth=0.8, markersize=6,
+                      markerfacecolor="white", label=label or None)  # fmt: skip
     axes.set_xticks(range(len(levels)), [shown(value) for value in levels],
                     rotation=0 if len(levels) < 12 else 90)  # fmt: skip
     axes.set_xlabel(factor)

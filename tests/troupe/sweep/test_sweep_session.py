@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
@@ -179,13 +180,13 @@ def test_functions_of_a_result_add_columns(tmp_path: Path) -> None:
         assert 0.0 < row["far"] < 6.0
 
 
-def test_the_table_is_a_data_frame(tmp_path: Path) -> None:
+@pytest.mark.parametrize("frame", ["pandas", "polars"])
+def test_the_table_is_a_data_frame(tmp_path: Path, frame: Literal["pandas", "polars"]) -> None:
+    pytest.importorskip(frame)
     sweep(plan_of(quiet_world(tmp_path), "0:3"), tmp_path / "out", QUIETLY)
-    for frame in ("pandas", "polars"):
-        pytest.importorskip(frame)
-        found = read_sweep(tmp_path / "out", frame=frame)
-        assert list(found["seed"]) == [0, 1, 2]
-        assert set(found["outcome"]) == {"completed"}
+    found = read_sweep(tmp_path / "out", frame=frame)
+    assert list(found["seed"]) == [0, 1, 2]
+    assert set(found["outcome"]) == {"completed"}
     assert list(troupe.read_sweep(tmp_path / "out", timings=True)["tries"]) == [1, 1, 1]
 
 
