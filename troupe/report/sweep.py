@@ -23,7 +23,6 @@ from troupe.report.groups import (
 from troupe.report.looks import command_of, looks, points_of
 from troupe.sweep.collect import Tables
 from troupe.sweep.folder import write_aside
-from troupe.sweep.rows import flat
 from troupe.sweep.statistics import middle
 from troupe.usage import UsageError
 
@@ -45,16 +44,8 @@ def contents(
     rows = tables.results
     if not rows:
         raise UsageError("no run is there to be reported; run `troupe sweep` first")
-    plain = {name for line in tables.found.values() for name in flat(line.record)}
-    new = [name for name in rows[0] if name not in plain] if measures == () else []
     found = factors(rows)
-    fixed = {
-        "world",
-        "seed",
-        "hash",
-        *(k for p in tables.plans for q in p.points for k in q.settings),
-    }
-    chosen = measures_of(rows, measures, higher, [name for name in new if name not in fixed])
+    chosen = measures_of(rows, measures, higher, tables.added)
     groups = grouped(rows, found)
     seconds = {(row["hash"], row["seed"]): row["seconds"] or 0.0 for row in tables.timings}
     return {

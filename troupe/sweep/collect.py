@@ -24,12 +24,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tables:
-    """What is in the folders; `missing` runs were asked for and have no record."""
+    """What is in the folders.
+
+    `added` columns are those of functions; `missing` runs were asked for and have no record.
+    """
 
     plans: list[Plan]
     found: dict[str, Line]
     results: list[Row]
     timings: list[Row]
+    added: list[str]
     missing: int
 
 
@@ -46,6 +50,7 @@ def gather(folders: Sequence[Path], each: Sequence[Each] = ()) -> Tables:
     results, timings = rows_of(ordered, found)
     asked = [Each(**one) for plan in ordered for one in plan.about.get("each", ())]
     functions = [(one, one.load()) for one in dict.fromkeys([*asked, *each])]
+    names: dict[str, None] = {}
     if functions:
         for row in results:
             record = found[f"{row['hash']}-s{row['seed']}"].record
@@ -55,8 +60,10 @@ def gather(folders: Sequence[Path], each: Sequence[Each] = ()) -> Tables:
                 if taken:
                     raise UsageError(f"--each {one.name}: there is a column {taken[0]} already")
                 row.update(new)
-    names = {run.name for plan in ordered for run in plan.runs()}
-    return Tables(ordered, found, results, timings, len(names - found.keys()))
+                names |= dict.fromkeys(new)
+    asked_for = {run.name for plan in ordered for run in plan.runs()}
+    missing = len(asked_for - found.keys())
+    return Tables(ordered, found, results, timings, list(names), missing)
 
 
 def write_tables(tables: Tables, folder: Path) -> list[Path]:
