@@ -39,6 +39,7 @@ from player.proxies import (
     Size,
     SpeechProxy,
 )
+from player.robot import Robot, run
 from player.table import BumperSegment, Fiducial
 from player.xdr import Pose2d, Pose3d
 
@@ -76,8 +77,10 @@ __all__ = [
     "RangerGeometry",
     "RangerProxy",
     "Replace",
+    "Robot",
     "SimulationProxy",
     "Size",
     "SpeechProxy",
     "XdrError",
+    "run",
 ]

@@ -58,6 +58,8 @@ class _Sensors(Mapping[str, SensorType]):
             self._loaded = True
             for name in BUILT_IN:
                 importlib.import_module(f"{__package__}.{name}")
+            # whichever of them was imported first: they are told in one order
+            self.types = {name: self.types.pop(name) for name in BUILT_IN} | self.types
         return self.types
 
     def __getitem__(self, name: str) -> SensorType:

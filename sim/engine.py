@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import monotonic, perf_counter
 
@@ -20,12 +21,19 @@ from player.server import Server
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.entry import Entry
+from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
+from sim.fleet.drivers import Drivers
 from sim.fleet.fleet import Fleet
+from sim.fleet.functions import Controllers, Functions
+from sim.fleet.routing import Router
 from sim.pace import Pace
+from sim.ports import Ports
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result
+from sim.robot import Robot
 from sim.scenery import Scenery
-from sim.spray import Sprayers
+from sim.sensing import Sensing
+from sim.spray import Spraying, close
 from sim.stage.doors import Doors
 from sim.worldfile import LoadedWorld
 
@@ -53,7 +61,12 @@ class Engine:
     """One run of one world.
 
     `say` is given every line that is meant for people, and `warn`, or else `say`, what they
-    must not overlook.
+    must not overlook. `while_waiting(engine)` is called now and then while the world waits.
+    `controllers`: True for those of the world, False for none; or by name whether one is started
+    as in the world, or the function that drives its robots instead.
+
+    `begin`, then `advance` until it returns False, then `result`; `run` does all of it, and ends
+    the processes.
     """
 
     loaded: LoadedWorld
@@ -61,9 +74,13 @@ class Engine:
     fleet: Fleet
     say: Callable[[str], None]
     warn: Callable[[str], None] | None = None
+    while_waiting: Callable[[Engine], None] | None = None
+    controllers: Controllers = True
     ticks: int = 0
     interrupted: bool = False
     began: float = 0.0
+    enough: bool = False  # told from outside that the run has come to its end
+    ended: Outcome | None = None  # how the run has ended, once it has
     settling: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
@@ -71,41 +88,52 @@ class Engine:
         self.interval = world.clock.interval
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
-        self.sprayers = Sprayers()
-        self.context = Context(
-            self.scenery.stage,
-            self.scenery.suite,
-            self.scenery.odometry,
-            self.scenery.floor,
-            self.interval,
-            put=self.put,
-            repaint=self.scenery.set_color,
-        )
+        self.spraying = Spraying(self.scenery.floor)
+        self.context = Context(self.scenery, self.interval)
         self.switchboard = Switchboard(self.context, self.say)
-        self.crew = Crew(
-            self.server,
-            self.switchboard,
-            self.fleet,
-            patience=Patience(self.settings.patience),
-            clock=world.player.clock,
-            stop=self.stop_robot,
-            say=self.say,
+        self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
+        patience = Patience(self.settings.patience)
+        self.robots = self.context.robots
+        self.drivers = Drivers(
+            self.robots,
+            Clocks(any_clock=world.player.clock == "any"),
+            self.stop_robot,
+            fail_fast=self.settings.fail_fast,
         )
-        self.crew.fail_fast = self.settings.fail_fast
-        self.crew.paused = lambda: self.context.paused
-        self.context.failed = self.crew.expel
+        self.router = Router(self.switchboard, self.drivers, self.say)
+        self.crew = Crew(
+            self.context,
+            self.server,
+            self.fleet,
+            self.drivers,
+            self.router,
+            patience=patience,
+            say=self.say,
+            while_waiting=self.while_waiting and partial(self.while_waiting, self),
+        )
+        self.functions = Functions()
+        self.ports = Ports(
+            world.player,
+            world.controllers,
+            self.settings.listen,
+            self.context,
+            self.switchboard,
+            self.server,
+            patience=patience.entry,
+            say=self.say,
+            warn=self.warn or self.say,
+        )
         self.entry = Entry(
             self.loaded,
             self.settings.seed,
-            self.settings.listen,
-            self.scenery,
             self.context,
             self.switchboard,
-            self.sprayers,
+            self.sensing,
+            self.spraying,
+            self.ports,
             self.crew,
-            self.server,
-            self.say,
-            self.warn or self.say,
+            self.controllers,
+            self.functions,
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
@@ -125,69 +153,92 @@ class Engine:
 
     def run(self, each_tick: Callable[[Engine], None] | None = None) -> Result:
         """Run to the end; the result. Whatever happens, no process is left afterwards."""
-        self.began = perf_counter()
-        outcome: Outcome = "interrupted"
         try:
-            self.enter_first()
-            self.announce()
-            self.pace.begin()
-            while (ended := self.outcome()) is None:
-                self.crew.wait()
-                if (ended := self.outcome()) is not None:
-                    break
-                self.tick()
+            self.begin()
+            while self.advance():
                 if each_tick is not None:
                     each_tick(self)
                 self.keep_pace()
-            outcome = ended
-            if outcome == "interrupted":
+            if self.ended == "interrupted":
                 self.crew.tell_awaited()
             wall_time = perf_counter() - self.began
         finally:
             self.crew.dismiss()
-        return self.result(outcome, wall_time)
+        return self.result(self.ended or "interrupted", wall_time)
+
+    def begin(self) -> None:
+        """The robots of the start enter, and the clock begins."""
+        self.began = perf_counter()
+        self.enter_first()
+        self.announce()
+        self.pace.begin()
+
+    def advance(self) -> bool:
+        """One tick, after the wait for all controllers; False, without it, if the run is over."""
+        self.ended = self.outcome()
+        if self.ended is None:
+            self.crew.wait()
+            self.ended = self.outcome()
+        if self.ended is not None:
+            return False
+        self.tick()
+        for index in self.functions.call(self.ticks, self.time):
+            self.drivers.end(self.robots[index].driver, "finished", 0, None)
+        return True
 
     def enter_first(self) -> None:
         """The robots that are there from the start enter; all perceive for the first time."""
         for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
             self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
-        self.sense()
+        self.sensing.sense(self.ticks, self.time)
 
     def announce(self) -> None:
         """Say what a world is going to do in which nobody drives."""
-        drivers = self.crew.drivers
-        if self.loaded.layout.doors or any(driver.kind != "none" for driver in drivers):
+        robots = self.robots
+        if self.loaded.layout.doors or any(robot.driver.kind != "none" for robot in robots):
             return
-        who = "no robot here has a controller" if drivers else "there are no robots in this world"
-        guests = ", or as clients drive them" if drivers and self.entry.open else ""
-        moves = f": things move by themselves{guests}" if drivers else ": nothing drives"
+        who = "no robot here has a controller" if robots else "there are no robots in this world"
+        guests = ", or as clients drive them" if robots and self.ports.open else ""
+        moves = f": things move by themselves{guests}" if robots else ": nothing drives"
         self.say(f"{who}{moves}, for {self.settings.duration:g} simulated seconds")
 
     def tick(self) -> None:
         """One interval of simulated time, after the wait."""
-        self.context.carry_out()
+        self.carry_out()
         self.settle()
         self.reset()
-        ways = self.scenery.stage.tick(self.sprayers.carriers(self.context))
+        ways = self.scenery.stage.tick(self.spraying.carriers())
         self.ticks += 1
         self.context.time = self.time
-        self.sprayers.mark(self.context, ways)
+        self.spraying.mark(ways)
         self.open_doors()
-        self.sense()
+        self.sensing.sense(self.ticks, self.time)
         self.switchboard.stamp(self.time)
         for connection, error in self.switchboard.publish(self.time):
-            self.crew.expel(connection, error)
+            self.router.expel(connection, error)
         self.server.flush()
         self.crew.next_round()
         self.record()
 
-    def stop_robot(self, robot: int) -> None:
+    def carry_out(self) -> None:
+        """Have done what clients have asked for; who asked for what cannot be done is expelled.
+
+        That stops robots, before the tick as well. Robots are put where they shall be put first,
+        all at once.
+        """
+        if goals := self.context.take_puts():
+            self.put(goals)
+        while failed := self.context.carry_out():
+            for client, error in failed:
+                self.router.expel(client, error)
+
+    def stop_robot(self, robot: Robot) -> None:
         """Nobody drives a robot any more: it brakes, its sprayers close."""
         self.context.later(robot, lambda: self.context.drive(robot, (0.0, 0.0, 0.0)))
-        self.context.later(robot, lambda: self.sprayers.close(self.context, robot))
-        if not self.crew.drivers[robot].running:
-            self.settling.add(robot)
+        self.context.later(robot, lambda: close(robot))
+        if not robot.driver.running:
+            self.settling.add(robot.index)
 
     def settle(self) -> None:
         """Robots whose controllers have ended and that have come to rest become standing bodies."""
@@ -201,7 +252,7 @@ class Engine:
         if not self.context.resets:
             return
         self.context.resets = 0
-        starts = {robot: record.start for robot, record in enumerate(self.context.records)}
+        starts = {robot.index: robot.record.start for robot in self.robots}
         staying = self.put(starts)
         for robot in starts:
             if robot not in staying:
@@ -212,7 +263,7 @@ class Engine:
         staying = self.scenery.put(poses)
         for robot in staying:
             x, y, _ = poses[robot]
-            name = self.context.records[robot].name
+            name = self.robots[robot].name
             self.say(f"{name} stays where it is: there is no room for it at [{x:g}, {y:g}]")
         return staying
 
@@ -225,14 +276,6 @@ class Engine:
             self.entry.enter(name, cell.model, cell.controller, pose, self.time)
         self.doors.begin(self.scenery.stage)
 
-    def sense(self) -> None:
-        """All robots perceive, in one batch; only what somebody reads is computed."""
-        self.scenery.refresh()
-        self.scenery.odometry.update(self.scenery.stage.poses, self.interval, self.ticks)
-        wanted = None if self.settings.sense_all else self.entry.wanted()
-        self.scenery.suite.sense(self.ticks, self.time, wanted)
-        self.entry.encode(self.ticks)
-
     def record(self) -> None:
         """Digest and counters."""
         stage = self.scenery.stage
@@ -241,7 +284,7 @@ class Engine:
         if stalled != self.stalled:
             before = self.stalled.ljust(len(stalled), b"\0")
             for robot, (now, then) in enumerate(zip(stalled, before, strict=True)):
-                self.context.records[robot].stalls += now > then
+                self.robots[robot].record.stalls += now > then
             self.stalled = stalled
 
     def keep_pace(self) -> None:
@@ -263,15 +306,17 @@ class Engine:
         """How the run has ended, None while it goes on."""
         if self.interrupted or self.crew.interrupted:
             return "interrupted"
-        if self.crew.failed:
+        if self.drivers.failed:
             return "controller_failed"
+        if self.enough:
+            return "completed"
         over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
         entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
-        done = not waits_for_time and not self.crew.running and entered
+        done = not waits_for_time and not self.drivers.running and entered
         if not over and not done:
             return None
-        states = {record.state for record in self.context.records}
+        states = {robot.record.state for robot in self.robots}
         if states & {"failed", "hung", "lost"}:
             return "controller_failed"
         return "completed" if done or waits_for_time else "time_limit"
@@ -281,19 +326,20 @@ class Engine:
         """Whether the run is complete when its duration is: told so, or nobody else can end it."""
         if self.loaded.world.until == "duration":
             return True
-        nobody = all(driver.kind == "none" for driver in self.crew.drivers)
+        nobody = all(robot.driver.kind == "none" for robot in self.robots)
         return nobody and not any(door.controller for door in self.loaded.layout.doors)
 
     def doors_done(self) -> bool:
         """Whether every door's cell holds a robot whose controller has finished."""
-        ended = [robot for robot, driver in enumerate(self.crew.drivers) if driver.kind != "none"]
+        ended = [robot.index for robot in self.robots if robot.driver.kind != "none"]
         return self.doors.filled(self.scenery.stage, ended)
 
     def result(self, outcome: Outcome, wall_time: float) -> Result:
         """The run in numbers."""
-        self.context.carry_out()  # what was said after the last tick counts as well
+        self.carry_out()  # what was said after the last tick counts as well
         stage, floor = self.scenery.stage, self.scenery.floor
-        for robot, record in enumerate(self.context.records):
+        records = [robot.record for robot in self.robots]
+        for robot, record in enumerate(records):
             x, y, yaw = map(float, stage.poses[robot])
             record.pose = (x, y, yaw)
             record.distance = float(stage.distances[robot])
@@ -306,7 +352,7 @@ class Engine:
             wall_time=wall_time,
             ticks=self.ticks,
             digest=self.digest.text(),
-            robots=self.context.records,
+            robots=records,
             floor=FloorRecord(floor.coverage, floor.painted_area, floor.passes),
             doors=[
                 DoorRecord(cell.name, len(steps), list(steps))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,11 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
     )
 
 
+def shape_of(body: Any) -> Shape:
+    """A body's outline in its own frame, or its radius."""
+    return body.radius if body.shape == "circle" else outline(body)
+
+
 class Film:
     """Hands a view of the engine to the video whenever a frame is due, and to the picture once."""
 
@@ -132,26 +137,21 @@ class Film:
 
     def view(self, engine: Engine) -> FrameView:
         """The moment that the engine is at."""
-        scenery, context = engine.scenery, engine.context
-        records = context.records
-        for record in records[self.robots :]:
-            body = engine.loaded.world.models[record.model].body
-            shape = body.radius if body.shape == "circle" else outline(body)
+        scenery = engine.scenery
+        records = [robot.record for robot in engine.robots]
+        for robot in engine.robots[self.robots :]:
             for each in (self.recorder, self.still):
                 if each is not None:
-                    each.add_robot(record.name, shape)
-        self.robots = len(records)
+                    each.add_robot(robot.name, shape_of(robot.model.body))
+        self.robots = len(engine.robots)
         if self.movables is None:
-            self.movables = [
-                (m.body.radius if m.body.shape == "circle" else outline(m.body), m.color)
-                for m in engine.loaded.layout.movables
-            ]
+            self.movables = [(shape_of(m.body), m.color) for m in engine.loaded.layout.movables]
         paints = scenery.floor.painted_area > 0.0
         settled = np.array([record.state in ENDED for record in records], bool)
         return FrameView(
             time=engine.time,
             poses=scenery.stage.poses,
-            colors=np.array(context.colors, np.int64),
+            colors=np.array([robot.color for robot in engine.robots], np.int64),
             coverage=scenery.floor.coverage if paints else None,
             said=[record.said[-1][1] if record.said else "" for record in records],
             said_at=[record.said[-1][0] if record.said else 0.0 for record in records],
@@ -205,9 +205,9 @@ class Film:
     def drawings(self, engine: Engine) -> list[Drawing]:
         """What programs have drawn, in world coordinates."""
         drawn: list[Drawing] = []
-        for robot, shapes in engine.context.drawings.items():
-            pose = engine.scenery.stage.poses[robot]
-            for shape in shapes:
+        for robot in engine.robots:
+            pose = engine.scenery.stage.poses[robot.index]
+            for shape in robot.drawings:
                 points = np.array(shape.points, float).reshape(-1, 2)
                 if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e6:
                     continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any, Literal
 
 import numpy as np
@@ -101,6 +102,10 @@ class Result:
     robots: list[RobotRecord]
     floor: FloorRecord
     doors: list[DoorRecord]
+    times: NDArray[np.float64] | None = None
+    """(ticks,) simulated seconds, where trajectories were asked for."""
+    poses: NDArray[np.float64] | None = None
+    """(ticks, n, 3) x, y, yaw after each tick; NaN before a robot has entered."""
 
     @property
     def speed(self) -> float:
@@ -118,6 +123,34 @@ class Result:
             if record.name == name:
                 return record
         raise KeyError(name)
+
+    def to_dataframe(self) -> Any:
+        """The trajectories as a pandas frame (time, robot, x, y, yaw), a row per robot and tick.
+
+        Without trajectories a row per robot, of what the result tells of it. Raises ImportError
+        where pandas is not installed.
+        """
+        import pandas as pd  # noqa: PLC0415 - an extra
+
+        if self.poses is None or self.times is None:
+            return pd.json_normalize([record.as_json() for record in self.robots], sep="_")
+        ticks, count, _ = self.poses.shape
+        frame = pd.DataFrame(self.poses.reshape(-1, 3), columns=["x", "y", "yaw"])
+        frame.insert(0, "robot", [record.name for record in self.robots] * ticks)
+        frame.insert(0, "time", np.repeat(self.times, count))
+        return frame.dropna(ignore_index=True)
+
+    def _repr_html_(self) -> str:
+        """A table of the robots, where a notebook shows the result."""
+        head = f"{self.world}, seed {self.seed}: {self.outcome} after {self.sim_time:g} s"
+        titles = ("robot", "controller", "way", "contacts", "stalls")
+        rows = [
+            (escape(one.name), one.state, f"{one.distance:.2f} m", one.contacts, one.stalls)
+            for one in self.robots
+        ]
+        lines = [f"<tr>{''.join(f'<th>{title}</th>' for title in titles)}</tr>"]
+        lines += [f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows]
+        return f"<p>{escape(head)}</p><table>{''.join(lines)}</table>"
 
     def as_json(self) -> dict[str, Any]:
         """The JSON object as documented in docs/running.md: whatever was reported, it is valid."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING
 
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
+from sim.fleet.functions import Controllers
 from sim.interrupts import Interrupts
 from sim.result import Result
 from sim.worldfile import LoadedWorld
@@ -29,6 +29,7 @@ def run_world(
     say: Callable[[str], None] = lambda line: None,
     warn: Callable[[str], None] | None = None,
     interrupts: Interrupts | None = None,
+    controllers: Controllers = True,
 ) -> Result:
     """Run a world to its end.
 
@@ -39,7 +40,7 @@ def run_world(
 
     SIGINT, SIGTERM and SIGHUP end the run in order: the result so far comes back with the outcome
     `interrupted`, and the video is completed; a second one raises KeyboardInterrupt. `interrupts`
-    that are given stay held when the run is over.
+    that are given stay held when the run is over. `controllers`: see `Engine`.
     """
     interrupts, own = interrupts or Interrupts(), interrupts is None
     interrupts.hold()
@@ -52,9 +53,7 @@ def run_world(
             watch(engine)
 
     try:
-        engine = Engine(loaded, settings, fleet, say, warn)
-        if while_waiting is not None:
-            engine.crew.while_waiting = partial(while_waiting, engine)
+        engine = Engine(loaded, settings, fleet, say, warn, while_waiting, controllers)
         with interrupts.heard_by(engine):
             return engine.run(after_tick if watchers else None)
     finally:

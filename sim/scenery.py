@@ -12,6 +12,7 @@ from sensors.odometry import Odometry
 from sensors.scene import Scene
 from sensors.suite import Suite
 from sensors.view import Contacts
+from sim.robot import Robot
 from sim.stage.floor import FloorPaint
 from sim.stage.geometry import outline
 from sim.stage.layout import Layout
@@ -33,7 +34,7 @@ class Scenery:
         self.odometry = Odometry(seed)
         self.floor = FloorPaint(layout, world.floor.resolution)
         self.start_poses: Floats = loaded.place(seed)
-        self.entities: NDArray[np.int64] = np.zeros(0, np.int64)  # by robot
+        self.entities: NDArray[np.int64] = np.zeros(0, np.int64)  # of all robots
         self.add_walls(layout)
         self.movables = np.array(
             [
@@ -70,9 +71,12 @@ class Scenery:
             self.scene.add_polygon(entity, outline(body))
         return entity
 
-    def add_robot(self, name: str, model_name: str, model: Model, pose: Floats) -> int:
-        """A robot enters: its body, what others see of it, its sensors and odometry."""
-        robot = self.stage.add_robot(name, model_name, pose)
+    def add_robot(self, name: str, model_name: str, model: Model, pose: Floats) -> tuple[int, int]:
+        """A robot enters: its body, what others see of it, its sensors and odometry.
+
+        Its index, and its entity in the scene.
+        """
+        robot = self.stage.add_robot(model_name, pose)
         body = model.body
         entity = self.add_body(body, body.color, body.height, model.fiducial or 0, pose)
         self.entities = np.append(self.entities, entity)
@@ -85,7 +89,7 @@ class Scenery:
             slip=noise.slip if noise else 0.0,
             turn=noise.turn if noise else 0.0,
         )
-        return robot
+        return robot, entity
 
     def refresh(self) -> None:
         """Bring what can be seen and felt up to date with the bodies."""
@@ -107,6 +111,11 @@ class Scenery:
                 self.odometry.relocate(robot, pose)
         return staying
 
-    def set_color(self, robot: int, color: int) -> None:
-        """Cameras see a robot's new colour from the next reading on."""
-        self.scene.colors[self.entities[robot]] = color
+    def repaint(self, robot: Robot, color: int) -> None:
+        """Give a robot's body another colour: cameras see it from the next reading on."""
+        robot.color = color
+        self.scene.colors[robot.entity] = color
+
+    def remark(self, robot: Robot, fiducial: int) -> None:
+        """Fiducial finders see a robot with another id from the next reading on."""
+        self.scene.fiducials[robot.entity] = fiducial

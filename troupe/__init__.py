@@ -9,23 +9,55 @@ if is_the_command():
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from troupe._packages import claim_names
 
 if TYPE_CHECKING:
+    from sim.fleet.functions import Controllers
     from sim.result import Result
+    from sim.worldfile import WorldError
+    from troupe.simulation import RunError, Simulation
     from troupe.sweep.collect import read_sweep
+    from troupe.world import World
+    from troupe.world import load_world as load
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "read_sweep", "run"]
+__all__ = [
+    "RunError",
+    "Simulation",
+    "World",
+    "WorldError",
+    "__version__",
+    "load",
+    "read_sweep",
+    "run",
+]
 
 claim_names()
 
+_HOMES = {
+    "RunError": ("troupe.simulation", "RunError"),
+    "Simulation": ("troupe.simulation", "Simulation"),
+    "World": ("troupe.world", "World"),
+    "WorldError": ("sim.worldfile.mistakes", "WorldError"),
+    "load": ("troupe.world", "load_world"),
+    "read_sweep": ("troupe.sweep.collect", "read_sweep"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """What is imported on first use: `import troupe` stays light."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, known = _HOMES[name]
+    return getattr(import_module(module), known)
+
 
 def run(
-    world: str | Path,
+    world: str | Path | Mapping[str, Any] | World,
     *,
     seed: int | None = None,
     duration: float | None = None,
@@ -43,11 +75,15 @@ def run(
     at: float | None = None,
     say: Callable[[str], None] | None = None,
     settings: Sequence[str] = (),
+    controllers: Controllers = True,
+    each_tick: Callable[[Simulation], object] | None = None,
+    until: Callable[[Simulation], object] | None = None,
+    trajectories: bool = False,
 ) -> Result:
     """Run a world and give its result, as `troupe run` does, by the names of its options.
 
     Args:
-        world: a world file, or the name of a world that comes with Troupe.
+        world: a world file, the name of a world that comes with Troupe, a mapping, or a World.
         seed: all that is random follows from it; the world file's unless given.
         duration: simulated seconds at most; the world file's unless given.
         set: changes to the world file, such as `{"clock.interval": 0.05}`, or texts as on the
@@ -62,11 +98,16 @@ def run(
             other than the defaults.
         video_show: what it shows besides bodies and paint: some of fans, names, trails, speech and
             blobs (all but blobs unless given). It holds for the picture too, as does the size.
-        picture: a PNG or SVG file to be made of one moment: `at` so many simulated seconds, or at
-            the end of the run.
+        picture: a PNG or SVG file to be made of one moment.
+        at: the picture's moment in simulated seconds; the end of the run unless given.
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
         settings: more texts like those of `set`.
+        controllers: as for `Simulation`: True for those of the world, False for none, or functions
+            by the controllers' names.
+        each_tick: called with the simulation after every tick: ask it, command robots.
+        until: likewise; the run is completed when it returns something true.
+        trajectories: the result gets `times` (ticks,) and `poses` (ticks, n, 3).
 
     SIGINT (Ctrl-C, a notebook's stop), SIGTERM and SIGHUP end the run in order once it has begun:
     the result so far comes back with the outcome `interrupted`. A controller that fails raises
@@ -80,10 +121,13 @@ def run(
         sim.video.errors.VideoError: the video cannot be made.
         ValueError: an argument is out of range, or no address or size.
         OSError: the address cannot be had, or no process can be made.
+        RunError: a hook or a controller function has raised; the error has the result so far.
         KeyboardInterrupt: on Ctrl-C before the run has begun, or on a second one.
     """
+    from troupe.hooks import Hooks  # noqa: PLC0415
     from troupe.running import as_text, run_file  # noqa: PLC0415 - `import troupe` stays light
 
+    hooks = Hooks(each_tick, until, trajectories)
     done = run_file(
         world,
         seed=seed,
@@ -101,16 +145,10 @@ def run(
         picture=picture,
         at=at,
         say=say or (lambda line: None),
+        controllers=controllers,
+        each_tick=hooks.each_tick if hooks.wanted else None,
     )
+    hooks.finish(done.result)
     if done.video_error is not None:
         warnings.warn(done.video_error, RuntimeWarning, stacklevel=2)
     return done.result
-
-
-def __getattr__(name: str) -> object:
-    """`troupe.read_sweep`, loaded when it is first asked for."""
-    if name == "read_sweep":
-        from troupe.sweep.collect import read_sweep  # noqa: PLC0415 - `import troupe` stays light
-
-        return read_sweep
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

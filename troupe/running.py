@@ -18,7 +18,9 @@ from troupe.usage import UsageError
 
 if TYPE_CHECKING:
     from sim.engine import Engine
+    from sim.fleet.functions import Controllers
     from sim.result import Result
+    from troupe.world import World
 
 EachTick = Callable[["Engine"], None]
 Setting = Mapping[str, Any] | Sequence[str]
@@ -35,11 +37,12 @@ class Run:
 
 
 def run_file(
-    world: str | Path,
+    world: str | Path | Mapping[str, Any] | World,
     *,
     seed: int | None = None,
     duration: float | None = None,
     settings: Setting = (),
+    controllers: Controllers = True,
     realtime: float | None = None,
     listen: Address | None = None,
     patience: float = 60.0,
@@ -83,15 +86,16 @@ def run_file(
         from sim.engine import Settings  # noqa: PLC0415
         from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
-        from sim.worldfile import load  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.warm import warm_once  # noqa: PLC0415
+        from troupe.world import World, loaded_world  # noqa: PLC0415
         from troupe.worlds import find_world  # noqa: PLC0415
 
-        path = find_world(str(world))
+        if not isinstance(world, Mapping | World):
+            world = find_world(str(world))
         warm_once(say)
         compiling = ending.enter_context(Compiling(say))
-        loaded = load(path, settings=as_text(settings))
+        loaded = loaded_world(world, as_text(settings))
         told = Settings(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,
@@ -145,6 +149,7 @@ def run_file(
             say=say,
             warn=warn,
             interrupts=interrupts,
+            controllers=controllers,
         )
     taken = None if film is None or film.still is None else film.still.time
     if taken is not None and at is not None and taken < at - 1e-9:

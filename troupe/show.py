@@ -85,7 +85,7 @@ class Screen:
                 completed=engine.time,
                 time=f"{engine.time:.1f} s of {engine.settings.duration:g}",
                 speed=f"{engine.speed or 0.0:.0f} x real time",
-                coverage=f"coverage {floor.coverage:.1%}" if engine.sprayers.mounts else "",
+                coverage=f"coverage {floor.coverage:.1%}" if engine.spraying.painters else "",
                 waiting="",
             )
 

@@ -124,10 +124,10 @@ def sense_and_move() -> None:
         raise
 
     def drive(engine: Engine) -> None:
-        for robot in range(len(engine.context.records)):
+        for robot in engine.robots:
             engine.context.drive(robot, (0.2, 0.0, 0.3))
-        for sprayer in engine.context.spraying:
-            engine.context.spraying[sprayer] = True
+            for sprayer in robot.sprayers:
+                sprayer.on = True
 
     engine.run(drive)
 

@@ -2,14 +2,16 @@
 
 from player.proxies.aio import AioProxy
 from player.proxies.base import Geometry, Proxy, Size
+from player.proxies.blobfinder import Blob, BlobfinderProxy
+from player.proxies.bumper import BumperProxy
+from player.proxies.dio import DioProxy
+from player.proxies.fiducial import FiducialProxy
 from player.proxies.graphics2d import Graphics2dProxy
 from player.proxies.laser import LaserConfig, LaserProxy
-from player.proxies.outputs import DioProxy, SpeechProxy
 from player.proxies.position2d import Position2dProxy
 from player.proxies.ranger import RangerConfig, RangerGeometry, RangerProxy
 from player.proxies.simulation import SimulationProxy
-from player.proxies.touch import BumperProxy
-from player.proxies.vision import Blob, BlobfinderProxy, FiducialProxy
+from player.proxies.speech import SpeechProxy
 
 __all__ = [
     "AioProxy",

@@ -2,64 +2,69 @@
 
 from __future__ import annotations
 
-from sim.devices.batch import Encoders
-from sim.devices.bits import Graphics2d, Speech, Sprayer
+from collections.abc import Callable
+
+from sensors.suite import Group
+from sim.devices.aio import Aio
+from sim.devices.blobfinder import Blobfinder
+from sim.devices.bumper import Bumper
 from sim.devices.device import Context, Device
-from sim.devices.feeling import AnalogInput, Bumper
+from sim.devices.dio import Dio
+from sim.devices.encoding import Encodings
+from sim.devices.fiducial import FiducialFinder, Marker
+from sim.devices.graphics2d import Graphics2d
 from sim.devices.laser import Laser
-from sim.devices.position2d import Position2d, StateEncoder
-from sim.devices.ranging import Ranger, Sonar
-from sim.devices.seeing import Blobfinder, FiducialFinder, Marker
+from sim.devices.position2d import Position2d
+from sim.devices.ranger import Ranger
 from sim.devices.simulation import Simulation
-from sim.worldfile.schema import Model
+from sim.devices.sonar import Sonar
+from sim.devices.speech import Speech
+from sim.robot import Robot
+
+SensorMaker = Callable[[Context, Encodings, Robot, int], Device]
+
+SENSORS: dict[str, tuple[SensorMaker, ...]] = {
+    "scan": (Laser, Ranger),
+    "elements": (Ranger, Sonar),
+    "intensities": (Ranger,),
+    "blobs": (Blobfinder,),
+    "fiducials": (FiducialFinder,),
+    "bits": (Bumper,),
+    "scalars": (Aio,),
+}
+"""The devices of a sensor, by the kind of its readings: its own, and its twins for programs that
+ask for an older or a newer interface."""
 
 
-def robot_devices(
-    context: Context,
-    encoders: Encoders,
-    states: StateEncoder,
-    robot: int,
-    model: Model,
-    size: tuple[float, float, float],
-) -> list[Device]:
+def served_as(group: Group) -> tuple[SensorMaker, ...]:
+    """The devices of a group's sensors: a scan that is called a ranger is no laser."""
+    makers = SENSORS[group.kind]
+    return makers[1:] if group.type.name == "ranger" and group.kind == "scan" else makers
+
+
+def robot_devices(context: Context, encodings: Encodings, robot: Robot) -> list[Device]:
     """A robot's devices, in the order in which they take their interface's indices.
 
-    `size` is the body's length, width and height in metres. A laser is served as a ranger too,
-    after the model's rangers, and a ranger of several elements as a sonar: old programs ask for
-    the one, newer ones for the other.
+    A sensor's twins come after all sensors' own devices: the model's first ranger is ranger:0,
+    whether or not it also has a laser.
     """
+    model = robot.model
     devices: list[Device] = []
     twins: list[Device] = []
     if model.drive is not None:
-        devices.append(Position2d(context, robot, states, size))
-    for slot in range(len(model.sensors)):
-        group, _ = context.suite.place(robot, slot)
-        if group.kind == "scan":
-            if group.type.name == "ranger":
-                devices.append(Ranger(context, encoders, robot, slot))
-            else:
-                devices.append(Laser(context, encoders, robot, slot))
-                twins.append(Ranger(context, encoders, robot, slot))
-        elif group.kind == "elements":
-            devices.append(Ranger(context, encoders, robot, slot))
-            twins.append(Sonar(context, encoders, robot, slot))
-        elif group.kind == "intensities":
-            devices.append(Ranger(context, encoders, robot, slot))
-        elif group.kind == "blobs":
-            devices.append(Blobfinder(context, encoders, robot, slot))
-        elif group.kind == "fiducials":
-            devices.append(FiducialFinder(context, robot, slot))
-        elif group.kind == "bits":
-            devices.append(Bumper(context, robot, slot, size))
-        else:
-            devices.append(AnalogInput(context, robot, slot))
+        devices.append(Position2d(context, encodings, robot))
+    for sensor in range(len(model.sensors)):
+        group, _ = context.scenery.suite.place(robot.index, sensor)
+        own, *others = (make(context, encodings, robot, sensor) for make in served_as(group))
+        devices.append(own)
+        twins += others
     if model.fiducial and not any(isinstance(device, FiducialFinder) for device in devices):
-        devices.append(Marker(context, robot, size))
-    devices += twins
-    devices += [Sprayer(context, robot, index) for index in range(len(model.actuators))]
-    devices += [
+        devices.append(Marker(context, robot))
+    return [
+        *devices,
+        *twins,
+        *(Dio(context, robot, index) for index in range(len(model.actuators))),
         Speech(context, robot),
         Graphics2d(context, robot),
         Simulation(context, robot, model.simulation == "full"),
     ]
-    return devices

@@ -1,4 +1,9 @@
-"""What a device is, and what devices may use of the simulation."""
+"""What a device is, and what devices may use of the simulation.
+
+Rules: reading is free at any time between two ticks. Every change goes through `Context.later`, so
+that it is made robot by robot in the engine's order, and not in that of the messages' arrival.
+What a device keeps for its own clients (how a scan is cut, what was just set) is no change.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.server import Connection
-from sensors.odometry import Odometry
-from sensors.suite import Suite
-from sim.result import RobotRecord
-from sim.stage.floor import FloorPaint
-from sim.stage.stage import Stage
-from sim.worldfile.schema import Model
+from sim.robot import Robot
+from sim.scenery import Scenery
 
 Values = Mapping[str, Any]
 Action = Callable[[], None]
@@ -30,84 +30,66 @@ class Refused(Exception):
     """A request that the device does not grant: its client gets a NACK."""
 
 
-def raise_again(client: Connection, error: Exception) -> None:
-    """What becomes of a client's error where nobody is there to take it."""
-    raise error
-
-
-@dataclass
-class Drawing:
-    """A shape of graphics2d; points (k, 2) in metres in the robot's frame, colours 0xRRGGBB."""
-
-    kind: str
-    points: NDArray[np.float64]
-    color: int
-    fill_color: int | None = None
-
-
 @dataclass
 class Context:
-    """The parts of a run that devices read and change.
+    """The parts of a run that devices read and change, and the changes that are to come.
 
-    Reading is free at any time between two ticks; every change goes through `later`, so that it
-    is made in the engine's order and not in that of the messages' arrival. While a message is
-    handled, `client` is who has sent it; `failed(client, error)` is told of what an action raises
-    that a client has asked for.
+    `interval` and `time` are simulated seconds. While a message is handled, `client` is who has
+    sent it. `complaints` are what devices find wrong with it, until somebody tells people.
     """
 
-    stage: Stage
-    suite: Suite
-    odometry: Odometry
-    floor: FloorPaint
+    scenery: Scenery
     interval: float
-    put: Callable[[Mapping[int, tuple[float, float, float]]], object]  # robots at poses, at once
-    repaint: Callable[[int, int], None]  # a robot's body in another colour
-    remark: Callable[[int, int], None] = lambda robot, fiducial: None  # a robot's id, for finders
-    models: list[Model] = field(default_factory=list)  # by robot
-    records: list[RobotRecord] = field(default_factory=list)
-    robots: dict[str, int] = field(default_factory=dict)
-    client: Connection | None = None
-    failed: Callable[[Connection, Exception], None] = raise_again
-    complain: Callable[[int, str], None] = lambda robot, what: None  # of a message to a robot
+    robots: list[Robot] = field(default_factory=list)
+    by_name: dict[str, Robot] = field(default_factory=dict)
     time: float = 0.0
     paused: bool = False
+    client: Connection | None = None
+    complaints: list[tuple[Robot, str]] = field(default_factory=list)
     pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(
         default_factory=dict
     )
     puts: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
     # robots that are to be put at poses, by the robot whose client asked
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
-    spraying: dict[tuple[int, int], bool] = field(default_factory=dict)  # (robot, sprayer)
-    drawings: dict[int, list[Drawing]] = field(default_factory=dict)
-    colors: list[int] = field(default_factory=list)
-    fiducials: list[int] = field(default_factory=list)  # by robot: the id it carries, 0 for none
-    property_names: dict[int, set[str]] = field(default_factory=dict)  # told so far, by robot
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
-    def later(self, robot: int, action: Action, key: Hashable = None) -> None:
+    def admit(self, robot: Robot) -> None:
+        """A robot has entered: the next in the list."""
+        self.robots.append(robot)
+        self.by_name[robot.name] = robot
+
+    def later(self, robot: Robot, action: Action, key: Hashable = None) -> None:
         """Have `action` called at the next command phase, in the order of robots.
 
         With a `key` it takes the place of the robot's earlier action of that key, as the last
         command wins: what a client sends while the world waits does not pile up.
         """
-        actions = self.pending.setdefault(robot, {})
+        actions = self.pending.setdefault(robot.index, {})
         if key is None:
             key = action
         elif key in actions:
             del actions[key]
         actions[key] = action, self.client
 
-    def carry_out(self) -> None:
-        """Put robots where they shall be put, all at once; then call what `later` was given.
+    def complain(self, robot: Robot, what: str) -> None:
+        """A message to a robot makes no sense: `what` goes on from "somebody sent"."""
+        self.complaints.append((robot, what))
 
-        Both robot by robot, for each in the order of arrival.
+    def take_puts(self) -> dict[int, tuple[float, float, float]]:
+        """Where robots shall be put, by index, robot by robot of those who asked; and forget it."""
+        goals: dict[int, tuple[float, float, float]] = {}
+        for asking in sorted(self.puts):
+            goals.update(self.puts[asking])
+        self.puts.clear()
+        return goals
+
+    def carry_out(self) -> list[tuple[Connection, Exception]]:
+        """Call what `later` was given, robot by robot, each in the order of arrival.
+
+        What actions raised that clients have asked for, and who those are, is given back.
         """
-        if self.puts:
-            goals: dict[int, tuple[float, float, float]] = {}
-            for asking in sorted(self.puts):
-                goals.update(self.puts[asking])
-            self.puts.clear()
-            self.put(goals)
+        failed = []
         while self.pending:
             pending, self.pending = self.pending, {}
             for robot in sorted(pending):
@@ -117,26 +99,27 @@ class Context:
                     except Exception as error:
                         if client is None:
                             raise
-                        self.failed(client, error)
+                        failed.append((client, error))
         if self.twists:
             robots = np.array(list(self.twists), np.int64)
-            self.stage.command(robots, np.array(list(self.twists.values())))
+            self.scenery.stage.command(robots, np.array(list(self.twists.values())))
             self.twists.clear()
+        return failed
 
-    def drive(self, robot: int, twist: tuple[float, float, float]) -> None:
+    def drive(self, robot: Robot, twist: tuple[float, float, float]) -> None:
         """Within an action: a velocity, in place of whatever was commanded before it."""
-        self.twists[robot] = twist
+        self.twists[robot.index] = twist
 
-    def undrive(self, robot: int) -> None:
+    def undrive(self, robot: Robot) -> None:
         """Within an action: another kind of command follows in place of a velocity."""
-        self.twists.pop(robot, None)
+        self.twists.pop(robot.index, None)
 
 
 class Device(Protocol):
     """One device of one robot."""
 
     addr: DeviceAddr
-    robot: int
+    robot: Robot
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         """This tick's data: subtypes and encoded payloads. Called for subscribed devices only."""

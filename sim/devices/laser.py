@@ -12,9 +12,10 @@ import numpy as np
 from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Scans
-from sim.devices.batch import Encoders, told
 from sim.devices.device import Context, Refused, Values, finite, flat_pose, limited
-from sim.devices.ranging import SENSOR_SIZE, RangingDevice
+from sim.devices.encoding import Encodings, told
+from sim.devices.sensor import SENSOR_SIZE, SensorDevice
+from sim.robot import Robot
 
 HEAD = struct.Struct(">ffffII")
 COUNTS = struct.Struct(">II")
@@ -41,7 +42,7 @@ class Cut:
     intensity: bool = False
 
 
-class Laser(RangingDevice):
+class Laser(SensorDevice):
     """A scan on Player's laser interface.
 
     A client may narrow it, thin it out and shorten it (SET_CONFIG): whatever it asks for is cut
@@ -50,8 +51,8 @@ class Laser(RangingDevice):
 
     addr = DeviceAddr(Interface.LASER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
-        super().__init__(context, encoders, robot, slot)
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
+        super().__init__(context, encodings, robot, sensor)
         assert isinstance(self.group.readings, Scans)
         self.whole = Cut(0, self.scans.ranges.shape[1] - 1, 1, self.scans.max_range)
         self.cut = self.whole
@@ -67,7 +68,7 @@ class Laser(RangingDevice):
         scan = self.payload("scans") if self.cut == self.whole else self.encode()
         if not self.with_pose:
             return ((SCAN, scan),)
-        pose = POSE.pack(*self.context.odometry.poses[self.robot].tolist())
+        pose = POSE.pack(*self.context.scenery.odometry.poses[self.robot.index].tolist())
         return ((SCAN_POSE, scan + pose),)
 
     def encode(self) -> bytes:
@@ -100,7 +101,7 @@ class Laser(RangingDevice):
         if name == "get_config":
             return self.configuration()
         if name == "get_id":
-            return {"serial_number": self.slot}
+            return {"serial_number": self.sensor}
         if name == "power":
             return None
         if name == "get_bool_property" and values["key"] == WITH_POSE:

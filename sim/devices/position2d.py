@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.codes import Interface
@@ -23,8 +19,9 @@ from sim.devices.device import (
     sane,
     scaled,
 )
-
-STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
+from sim.devices.encoding import Encodings
+from sim.robot import Robot
+from sim.stage.geometry import size_of
 
 Pose = tuple[float, float, float]
 
@@ -38,32 +35,6 @@ NUMBERS: dict[str, Callable[[Values], tuple[float, ...]]] = {
 
 DRIVE = "drive"
 """The key of all that sets a robot's motion: of several commands in a tick the last one wins."""
-
-
-class StateEncoder:
-    """The state messages of all robots, encoded together once per tick."""
-
-    def __init__(self) -> None:
-        self.rows: NDArray[Any] = np.zeros(0, STATE)
-        self.data = b""
-
-    def update(
-        self,
-        poses: NDArray[np.float64],
-        velocities: NDArray[np.float64],
-        stalls: NDArray[np.bool_],
-    ) -> None:
-        """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
-        if len(self.rows) != len(poses):
-            self.rows = np.zeros(len(poses), STATE)
-        self.rows["pose"] = poses
-        self.rows["velocity"] = velocities
-        self.rows["stall"] = stalls
-        self.data = self.rows.tobytes()
-
-    def payload(self, robot: int) -> bytes:
-        """Robot's message."""
-        return self.data[robot * STATE.itemsize : (robot + 1) * STATE.itemsize]
 
 
 def compose(a: Pose, b: Pose) -> Pose:
@@ -81,15 +52,13 @@ def invert(a: Pose) -> Pose:
 class Position2d:
     """A robot's drive and odometry."""
 
-    def __init__(
-        self, context: Context, robot: int, states: StateEncoder, size: tuple[float, float, float]
-    ) -> None:
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot) -> None:
         self.context = context
+        self.stage, self.odometry = context.scenery.stage, context.scenery.odometry
         self.robot = robot
-        self.states = states
-        self.size = size
+        self.states = encodings.states
         self.addr = DeviceAddr(Interface.POSITION2D, 0)
-        drive = context.models[robot].drive
+        drive = robot.model.drive
         self.kind = "differential" if drive is None else drive.kind
         self.obeys: dict[str, Callable[[Values], None]] = {"velocity": self.move}
         if self.kind == "car":
@@ -98,7 +67,7 @@ class Position2d:
             self.obeys |= {"position": self.go_to, "velocity_heading": self.head}
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, self.states.payload(self.robot)),)
+        return ((1, self.states.payload(self.robot.index)),)
 
     def command(self, name: str, values: Values) -> None:
         """Obey, within the drive's limits; at what is no number the robot stops."""
@@ -132,25 +101,25 @@ class Position2d:
         (x, y, yaw), speed = values["pos"], values["vel"]
         goal = self.to_world((*scaled(x, y), heading(yaw)))
         self.context.undrive(self.robot)
-        self.context.stage.command_position(self.robot, goal, abs(speed[0]), abs(speed[2]))
+        self.stage.command_position(self.robot.index, goal, abs(speed[0]), abs(speed[2]))
 
     def steer(self, values: Values) -> None:
         self.context.undrive(self.robot)
-        self.context.stage.command_car(self.robot, values["velocity"], values["angle"])
+        self.stage.command_car(self.robot.index, values["velocity"], values["angle"])
 
     def head(self, values: Values) -> None:
         yaw = self.to_world((0.0, 0.0, heading(values["heading"])))[2]
         self.context.undrive(self.robot)
-        self.context.stage.command_heading(self.robot, values["velocity"], yaw)
+        self.stage.command_heading(self.robot.index, values["velocity"], yaw)
 
     def request(self, name: str, values: Values) -> Values | None:
         context, robot = self.context, self.robot
         if name == "geometry":
-            length, width, height = self.size
+            length, width, height = size_of(robot.model.body)
             return {"pose": flat_pose(), "size": (width, length, height)}
         if name == "motor_power":
             on = bool(values["state"])
-            context.later(robot, lambda: context.stage.motors(robot, on), "motors")
+            context.later(robot, lambda: self.stage.motors(robot.index, on), "motors")
             return None
         if name == "position_mode":
             return None  # velocity or position: each command says itself which it is
@@ -166,11 +135,11 @@ class Position2d:
         raise Refused
 
     def set_odometry(self, pose: Pose) -> None:
-        robot, odometry = self.robot, self.context.odometry
-        self.context.later(robot, lambda: odometry.set_odometry(robot, pose), "odometry")
+        robot, odometry = self.robot, self.odometry
+        self.context.later(robot, lambda: odometry.set_odometry(robot.index, pose), "odometry")
 
     def to_world(self, pose: Pose) -> Pose:
         """A pose in the odometry's frame, in the world's, as the last tick's odometry tells."""
-        x, y, yaw = map(float, self.context.stage.poses[self.robot])
-        reported = tuple(map(float, self.context.odometry.poses[self.robot]))
+        x, y, yaw = map(float, self.stage.poses[self.robot.index])
+        reported = tuple(map(float, self.odometry.poses[self.robot.index]))
         return compose((x, y, yaw), compose(invert((reported[0], reported[1], reported[2])), pose))

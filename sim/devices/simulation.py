@@ -13,6 +13,7 @@ from player import DeviceAddr
 from player.codes import Interface
 from sim import strictjson
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
+from sim.robot import Robot
 
 COLOR = struct.Struct("<4f")
 TIME = struct.Struct("<Q")
@@ -34,7 +35,7 @@ class Simulation:
     of them a client is, nobody can tell.
     """
 
-    def __init__(self, context: Context, robot: int, full: bool) -> None:
+    def __init__(self, context: Context, robot: Robot, full: bool) -> None:
         self.context = context
         self.robot = robot
         self.members = {robot: None}
@@ -44,18 +45,18 @@ class Simulation:
         ] = {}  # when, and what, by name and key
         self.addr = DeviceAddr(Interface.SIMULATION, 0)
 
-    def admit(self, robot: int, full: bool) -> None:
+    def admit(self, robot: Robot, full: bool) -> None:
         """Another robot's clients come in here too."""
         self.members[robot] = None
         self.full |= full
 
-    def later(self, target: int, what: str, action: Action) -> None:
+    def later(self, target: Robot, what: str, action: Action) -> None:
         """Have something done to a robot at the next command phase, in the order of robots.
 
         That is the order of those who ask; at a shared port, of those who are meant.
         """
         asking = self.robot if len(self.members) == 1 else target
-        self.context.later(asking, action, (what, target))
+        self.context.later(asking, action, (what, target.index))
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ()
@@ -79,7 +80,7 @@ class Simulation:
             raise Refused
         target = self.target(values["name"])
         context = self.context
-        x, y, yaw = map(float, context.stage.poses[target])
+        x, y, yaw = map(float, context.scenery.stage.poses[target.index])
         if name == "get_pose2d":
             return {"name": values["name"], "pose": (x, y, yaw)}
         if name == "get_pose3d":
@@ -94,14 +95,14 @@ class Simulation:
             return None
         raise Refused
 
-    def target(self, name: str) -> int:
+    def target(self, name: str) -> Robot:
         """The robot of that name, if a client here may deal with it; raises Refused."""
-        robot = self.context.robots.get(name)
+        robot = self.context.by_name.get(name)
         if robot is None or (robot not in self.members and not self.full):
             raise Refused
         return robot
 
-    def put(self, target: int, pose: tuple[float, float, float]) -> None:
+    def put(self, target: Robot, pose: tuple[float, float, float]) -> None:
         """Have a robot put at a pose at the next command phase; raises Refused without room there.
 
         Where the others are is what held at the last tick, but for those whom this robot's clients
@@ -109,19 +110,21 @@ class Simulation:
         """
         context = self.context
         alone = len(self.members) == 1
-        asked = context.puts.setdefault(self.robot if alone else target, {})
-        if not (sane(*pose) and context.stage.fits(target, pose, asked if alone else {})):
+        asked = context.puts.setdefault((self.robot if alone else target).index, {})
+        if not (
+            sane(*pose) and context.scenery.stage.fits(target.index, pose, asked if alone else {})
+        ):
             raise Refused
-        asked[target] = pose
+        asked[target.index] = pose
 
     def get_property(self, values: Values) -> Values:
         key = values["property"]
         if key == "time":
             value = TIME.pack(round(self.context.time * 1e6))
         elif key == "color":
-            value = color_bytes(self.context.colors[self.target(values["name"])])
+            value = color_bytes(self.target(values["name"]).color)
         else:
-            properties = self.context.records[self.target(values["name"])].properties
+            properties = self.target(values["name"]).record.properties
             if key not in properties and not self.just_told(values):
                 raise Refused
             value = json.dumps(properties.get(key)).encode()
@@ -158,24 +161,23 @@ class Simulation:
             value = parse_json(data)
         except ValueError as error:
             self.refuse(target, key, error)
-        names = self.context.property_names.setdefault(target, set())
+        names = target.property_names
         if key not in names and len(names) >= MOST_PROPERTIES:
             raise Refused
         names.add(key)
         self.told[values["name"], key] = (self.context.time, json.dumps(value).encode())
-        properties = self.context.records[target].properties
+        properties = target.record.properties
         self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
 
-    def refuse(self, target: int, key: str, error: ValueError) -> NoReturn:
+    def refuse(self, target: Robot, key: str, error: ValueError) -> NoReturn:
         """Say why a value is not taken: a NACK tells its client no more than that it is not."""
         self.context.complain(target, f"a value of the property {key!r} that is refused: {error}")
         raise Refused
 
-    def paint(self, target: int, color: int) -> None:
+    def paint(self, target: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
-        self.context.colors[target] = color
-        self.context.repaint(target, color)
-        self.context.records[target].properties["color"] = f"#{color:06x}"
+        self.context.scenery.repaint(target, color)
+        target.record.properties["color"] = f"#{color:06x}"
 
 
 def parse_json(data: bytes) -> Any:

@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable
 from player import messages
 from player.codes import DeviceAddr, MessageType
 from player.directory import Directory
+from player.events import Command, Request
 from player.server import Connection
-from player.session import Command, Request
 from sim.devices.device import Context, Device, Refused
+from sim.robot import Robot
 
 
 class Port:
@@ -19,7 +20,7 @@ class Port:
     def __init__(self) -> None:
         self.directory = Directory()
         self.devices: dict[DeviceAddr, Device] = {}
-        self.robots: dict[int, None] = {}
+        self.robots: dict[Robot, None] = {}
         self.counts: Counter[int] = Counter()  # devices by interface
 
     def serve(self, devices: Iterable[Device]) -> dict[Device, DeviceAddr]:
@@ -42,8 +43,7 @@ class Switchboard:
     def __init__(self, context: Context, say: Callable[[str], None]) -> None:
         self.context = context
         self.say = say
-        context.complain = self.complain
-        self.complained: dict[Connection, set[int]] = {}  # of messages to which robots
+        self.complained: dict[Connection, set[Robot]] = {}  # of messages to whom people know
         self.ports: dict[int, Port] = {}  # by the identity of the directory
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
@@ -102,6 +102,7 @@ class Switchboard:
             device.command(event.name, event.message)
         finally:
             context.client = None
+        self.tell_complaints(connection)
         if context.paused != paused:
             self.pauser = connection if context.paused else None
         return device
@@ -125,16 +126,18 @@ class Switchboard:
             return
         finally:
             self.context.client = None
+            self.tell_complaints(connection)
         connection.session.acknowledge(event, None if reply is None else dict(reply))
 
-    def complain(self, robot: int, what: str) -> None:
+    def tell_complaints(self, client: Connection) -> None:
         """Tell people, once of each client and robot, what it was sent that makes no sense."""
-        client = self.context.client
-        if client is None or robot in self.complained.setdefault(client, set()):
-            return
-        self.complained[client].add(robot)
-        name = self.context.records[robot].name
-        self.say(f"{name}: {'its program' if client.peer == name else client.peer} sent {what}")
+        for robot, what in self.context.complaints:
+            told = self.complained.setdefault(client, set())
+            if robot not in told:
+                told.add(robot)
+                who = "its program" if client.peer == robot.name else client.peer
+                self.say(f"{robot.name}: {who} sent {what}")
+        self.context.complaints.clear()
 
     def wanted(self) -> list[Device]:
         """The devices that somebody has subscribed."""

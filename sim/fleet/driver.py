@@ -9,7 +9,7 @@ from player.codes import DataMode
 from player.server import Connection
 from sim.result import RobotRecord
 
-Kind = Literal["none", "program", "command", "external"]
+Kind = Literal["none", "program", "command", "external", "function"]
 
 
 @dataclass

@@ -28,10 +28,9 @@ class Doors:
 
     def __init__(self, layout: Layout, models: Mapping[str, Model], interval: float) -> None:
         self.doors = layout.doors
-        self._bodies = {name: model.body for name, model in models.items()}
         self._movables = [movable.body for movable in layout.movables]
         self.steps: list[list[int]] = [[] for _ in self.doors]
-        self._most_reach = max((reach(body) for body in self._bodies.values()), default=0.0)
+        self._most_reach = max((reach(model.body) for model in models.values()), default=0.0)
         self._ticks = 0
         self._periods = [max(1, round(door.period / interval)) for door in layout.doors]
         self._free = [True] * len(self.doors)
@@ -63,7 +62,7 @@ class Doors:
         away = np.hypot(*(stage.poses[:, :2] - door.centre).T)
         half = 0.5 * float(np.hypot(*door.size))
         for robot in np.flatnonzero(away < half + self._most_reach).tolist():
-            body = self._bodies[stage.model_names[robot]]
+            body = stage.model(robot).body
             if away[robot] < half + reach(body) and overlaps(
                 placed(outline(body), stage.poses[robot]), corners
             ):

@@ -112,6 +112,22 @@ def reach(body: Any) -> float:
     return float(np.hypot(*outline(body).T).max())
 
 
+def size_of(body: Any) -> tuple[float, float, float]:
+    """Length, width and height in metres of a body of the world file's schema."""
+    least, most = extent(body)
+    length, width = most - least
+    return (float(length), float(width), body.height)
+
+
+def extent(body: Any, pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> tuple[Floats, Floats]:
+    """The lower left and the upper right corner, (2,) each, of the upright box around a body."""
+    if body.shape == "circle":
+        middle = np.array(pose[:2])
+        return middle - body.radius, middle + body.radius
+    corners = placed(outline(body), pose)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
 def in_convex(points: ArrayLike, vertices: Floats) -> Bools:
     """For points (n, 2), whether each lies in the convex polygon or on its edge; (n,) bool.
 

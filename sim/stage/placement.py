@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import groupby
+from itertools import groupby, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,8 @@ LINES = 50
 """Random lines tried for robots that start on the same y."""
 MOST_ROWS = 400
 """Lines of a lattice tried for them after that."""
+MOST_PLACES = 2_000_000
+"""Of a lattice; where it is a sliver of a huge world, the search must end some time."""
 APART = 1e-6
 """m between robots that are asked to keep no margin: to touch would be a contact."""
 TOUCH = 1e-6
@@ -218,11 +220,21 @@ def _lattice(
         first = room.low - lowest + margin
         last = room.high - highest - margin
         for part in (1.0, 0.25):
-            columns = np.arange(first[0], last[0] + 1e-9, step[0] * part)
-            rows = np.arange(first[1], last[1] + 1e-9, step[1] * part) if y is None else [y]
-            for row in rows:
-                for column in columns:
-                    yield np.array([column, row, yaw])
+            rows = spaced(first[1], last[1], step[1] * part) if y is None else iter([y])
+            places = (
+                (column, row)
+                for row in rows
+                for column in spaced(first[0], last[0], step[0] * part)
+            )
+            for column, row in islice(places, MOST_PLACES):
+                yield np.array([column, row, yaw])
+
+
+def spaced(first: float, last: float, step: float) -> Iterator[float]:
+    """The numbers of `np.arange(first, last + 1e-9, step)`, one by one: there may be billions."""
+    apart = (first + step) - first  # as numpy rounds it
+    for index in range(max(0, math.ceil((last + 1e-9 - first) / step))):
+        yield first + index * apart
 
 
 def check_start(

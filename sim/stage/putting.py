@@ -33,7 +33,8 @@ class Places:
         """Whether a body fits at a pose (x, y, yaw) among others at theirs, (n, 3)."""
         own, span = self._shape(body)
         vertices = placed(own, pose)
-        if not self._room.holds(np.array([pose[:2]])) or self._room.overlapped(vertices, SLOP):
+        in_the_way = next(self._room.overlapped(vertices, SLOP), None)
+        if in_the_way is not None or not self._room.holds(np.array([pose[:2]])):
             return False
         spans = np.array([self._shape(other)[1] for other in others])
         apart = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])

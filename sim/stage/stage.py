@@ -51,16 +51,14 @@ class Stage:
         self._poses, self._velocities = np.zeros((room, 3)), np.zeros((room, 3))
         self._distances, self._stalls = np.zeros(room), np.zeros(room, dtype=np.bool_)
         self._contact_counts = np.zeros(room, dtype=np.int64)
-        self.names: list[str] = []
-        self.model_names: list[str] = []
-        self.colors: list[int] = []
+        self._kinds: list[Model] = []  # by robot
         for number, movable in enumerate(layout.movables):
             self._movers[number] = self._physics.add(movable.body, None, movable.pose)
         self._changed = True
 
     # --- robots come, stand still, are moved by hand
 
-    def add_robot(self, name: str, model: str, pose: ArrayLike) -> int:
+    def add_robot(self, model: str, pose: ArrayLike) -> int:
         """Put a robot of a model of the world on the stage, at rest; returns its number."""
         at = pose_of(pose)
         kind = self.models[model]
@@ -71,9 +69,7 @@ class Stage:
         self._order[number] = number
         self._count += 1
         self._show(robot, at)
-        self.names.append(name)
-        self.model_names.append(model)
-        self.colors.append(kind.body.color)
+        self._kinds.append(kind)
         return robot
 
     def settle(self, robot: int) -> None:
@@ -95,7 +91,7 @@ class Stage:
         the world, or in a wall, an obstacle or another robot.
         """
         if self.set_poses({robot: pose}):
-            raise ValueError(f"robot {self.names[robot]} has no room at {pose_of(pose)}")
+            raise ValueError(f"robot {robot} has no room at {pose_of(pose)}")
 
     def set_poses(self, poses: Mapping[int, ArrayLike]) -> list[int]:
         """Lift robots all at once and put them down at their poses, as `set_pose` does.
@@ -127,7 +123,7 @@ class Stage:
 
     def _moving(self) -> tuple[list[Any], Floats]:
         """The bodies of the robots, then of the movable obstacles, and a copy of their poses."""
-        bodies: list[Any] = [self.models[name].body for name in self.model_names]
+        bodies: list[Any] = [kind.body for kind in self._kinds]
         bodies += [movable.body for movable in self.layout.movables]
         return bodies, np.concatenate([self.poses, self.movable_poses])
 
@@ -142,10 +138,6 @@ class Stage:
         self._poses[robot] = pose[0], pose[1], float(wrapped(pose[2]))
         self._velocities[robot] = 0.0
         self._changed = True
-
-    def set_color(self, robot: int, color: int) -> None:
-        """Change a robot's colour (0xRRGGBB); bodies do not care, sensors and pictures do."""
-        self.colors[robot] = color
 
     # --- commands
 
@@ -170,10 +162,10 @@ class Stage:
         max_turn_rate. Raises ValueError for other drives.
         """
         record = self._record(robot)
-        model = self.models[self.model_names[robot]].drive
-        if record["kind"] != CAR or model is None or model.wheelbase is None:
-            raise ValueError(f"robot {self.names[robot]} has no steering")
-        commands.command_steering(record, speed, steering, model.wheelbase)
+        car = self.model(robot).drive
+        if record["kind"] != CAR or car is None or car.wheelbase is None:
+            raise ValueError(f"robot {robot} has no steering")
+        commands.command_steering(record, speed, steering, car.wheelbase)
 
     def command_position(
         self, robot: int, pose: ArrayLike, speed: float = 0.0, turn_rate: float = 0.0
@@ -199,8 +191,7 @@ class Stage:
 
     def _refuse_car(self, robot: int, record: Any) -> None:
         if record["kind"] == CAR:
-            name = self.names[robot]
-            raise ValueError(f"robot {name} is a car: it takes speeds and steering, not poses")
+            raise ValueError(f"robot {robot} is a car: it takes speeds and steering, not poses")
 
     def motors(self, robot: int, on: bool) -> None:
         """Switch a robot's motors; switched off it brakes and stands, whatever it is told."""
@@ -297,6 +288,10 @@ class Stage:
         if not 0 <= robot < self._count:
             raise IndexError(f"there is no robot {robot}; the stage has {self._count}")
         return self._movers[self._movables + robot]
+
+    def model(self, robot: int) -> Model:
+        """The model that a robot was built by."""
+        return self._kinds[robot]
 
     @property
     def count(self) -> int:

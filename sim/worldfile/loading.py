@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.worldfile import nodes
 from sim.worldfile.crowds import crowd_mistakes
+from sim.worldfile.data import node_of
 from sim.worldfile.extents import period_mistakes, physics_mistakes, port_mistakes, size_mistakes
 from sim.worldfile.files import FileSet, folder_of, rebased
 from sim.worldfile.mistakes import Mistake, WorldError, suggestion
-from sim.worldfile.nodes import MappingNode
+from sim.worldfile.nodes import MappingNode, ScalarNode
 from sim.worldfile.references import reference_mistakes
 from sim.worldfile.robots import RobotSpec, expanded, name_mistakes, number_mistakes
 from sim.worldfile.salvage import Salvaged, salvage
@@ -68,6 +69,31 @@ def load(path: str | Path, *, settings: Sequence[str] = ()) -> LoadedWorld:
     root = files.read(path)
     if root is None:
         raise WorldError(files.mistakes)
+    return _with_settings(root, path, settings, files)
+
+
+def load_data(
+    data: Mapping[str, Any], *, settings: Sequence[str] = (), folder: str | Path = "."
+) -> LoadedWorld:
+    """Loads a world that is given as Python data, with the strictness of a file.
+
+    `folder` is where relative names of maps and programs start. Raises WorldError with every
+    mistake that was found, each with its path in the data.
+    """
+    mistakes: list[Mistake] = []
+    root = node_of(data, mistakes)
+    if not isinstance(root, MappingNode):
+        raise WorldError([Mistake((), "a world is a mapping", type(data).__name__)])
+    name = root.items.get("name")
+    label = name.value if isinstance(name, ScalarNode) and isinstance(name.value, str) else "world"
+    path = Path(folder) / (label.replace("/", " ").replace("\0", " ") or "world")
+    return _with_settings(root, path, settings, FileSet(mistakes))
+
+
+def _with_settings(
+    root: MappingNode, path: Path, settings: Sequence[str], files: FileSet
+) -> LoadedWorld:
+    """The world of a tree with settings laid upon it; raises WorldError."""
     mistakes = files.mistakes
     written = root
     for setting in settings:
@@ -152,7 +178,7 @@ def _laid_out(
     if len(poses) == len(known):
         return layout, np.array(poses, dtype=np.float64).reshape(-1, 3), mistakes
     crowded = crowd_mistakes(known, world.models, layout.size)
-    if crowded:
+    if crowded or any(one.where == ("region",) for one in mistakes):
         return layout, None, mistakes + crowded
     try:
         return layout, place(layout, known, world.models, world.seed), mistakes

@@ -29,7 +29,8 @@ class Mistake:
 
     def __str__(self) -> str:
         """One line; what the file says in it is shown without anything that a terminal obeys."""
-        place = [str(part) for part in (self.file, self.line, self.column) if part is not None]
+        parts = (self.file or None, self.line, self.column)  # no file: a world from Python
+        place = [str(part) for part in parts if part is not None]
         heads = [":".join(place), ".".join(_cut(str(key), 80) for key in self.where)]
         text = ": ".join([head for head in heads if head] + [_cut(self.what, 400)])
         notes = [f"given: {_cut(self.given, 200)}"] if self.given is not None else []

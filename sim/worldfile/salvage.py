@@ -64,21 +64,23 @@ def salvage(data: Mapping[str, Any], mistakes: list[Mistake], removed: set[Path]
             before = len(earlier) + len(unknown)
             looked_closer = False
             for mistake, rests_on in mistakes_in(error, rest, World):
-                where = _in_file(mistake.where, kept)
+                where = _in_file(mistake.where, kept) if kept else mistake.where
+                if where != mistake.where:
+                    mistake = replace(mistake, where=where)  # noqa: PLW2901
                 if _is_shape(where) and where[:-1] not in {*guessed, *earlier}:
-                    found.mistakes.append(replace(mistake, where=where))
+                    found.mistakes.append(mistake)
                     guessed[where[:-1]] = _likeliest(data, where[:-1])
                     looked_closer = True
                     continue
                 doubtful = any(_in_file(path, kept) in earlier for path in rests_on)
                 if (
                     not doubtful
-                    and not _due_to_guess(replace(mistake, where=where), guessed)
+                    and not _due_to_guess(mistake, guessed)
                     and not _follows(where, earlier)
                     and (where, mistake.what) not in told
                 ):
                     told.add((where, mistake.what))
-                    found.mistakes.append(replace(mistake, where=where))
+                    found.mistakes.append(mistake)
                 if mistake.at_key:
                     unknown.add(where)
                 else:

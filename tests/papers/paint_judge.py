@@ -46,7 +46,7 @@ class Judge:
         """Look at the true poses after a tick."""
         poses = np.array(engine.scenery.stage.poses, dtype=float)
         if self.order is None:
-            starts = np.array([record.start for record in engine.context.records])
+            starts = np.array([robot.record.start for robot in engine.robots])
             self.order, self.level = ranked(starts)
         assert self.level is not None
         heights = poses[self.order, 1]
@@ -54,8 +54,8 @@ class Judge:
         late = drops > np.where(self.level, SAME_HEIGHT, 0.0)
         if late.any():
             self.swaps.append(f"{engine.time:.1f} s: {drops.max():.4f} m")
-        for (robot, _), is_on in engine.context.spraying.items():
-            if is_on:
+        for robot, one in enumerate(engine.robots):
+            if any(sprayer.on for sprayer in one.sprayers):
                 y, yaw = poses[robot, 1:]
                 length, width = self.sprayer
                 reach = 0.5 * (abs(math.cos(yaw)) * width + abs(math.sin(yaw)) * length)

@@ -44,13 +44,16 @@ def test_ranks_are_by_height_and_by_x_where_no_robot_can_tell_the_heights_apart(
 def _judge_rising(heights: list[float], start: float) -> Judge:
     """A judge that has watched one robot rise from `start` through `heights` beside one at 6 m."""
     judge = Judge(ROOM, (1.5, 1.5))
-    records = [SimpleNamespace(start=(2.0, start, 0.0)), SimpleNamespace(start=(9.0, 6.0, 0.0))]
+    robots = [
+        SimpleNamespace(record=SimpleNamespace(start=pose), sprayers=[])
+        for pose in ((2.0, start, 0.0), (9.0, 6.0, 0.0))
+    ]
     for y in heights:
         judge.each_tick(
             SimpleNamespace(  # type: ignore[arg-type] - all that the judge looks at
                 time=y,
                 scenery=SimpleNamespace(stage=SimpleNamespace(poses=[(2, y, 0), (9, 6, 0)])),
-                context=SimpleNamespace(records=records, spraying={}),
+                robots=robots,
             )
         )
     return judge

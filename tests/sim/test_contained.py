@@ -63,7 +63,7 @@ with PlayerClient() as robot:
         ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", -11, "signal 11"),
         ("import sys; sys.exit('no map')", 1, "no map"),
         ("import not_there", 1, "No module named 'not_there'"),
-        ("def broken(:", 1, "SyntaxError"),
+        ("exec('def broken(:')", 1, "SyntaxError"),
     ],
 )
 def test_a_program_that_dies_before_its_first_request_has_failed(

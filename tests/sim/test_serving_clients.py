@@ -77,7 +77,7 @@ def test_a_client_that_goes_away_is_lost_its_robot_stops_and_it_may_come_back(
             client.answer()
         client.close()
         two.round()
-        run_lost = run.engine.crew.drivers[0].record
+        run_lost = run.engine.robots[0].record
         assert run_lost.state == "lost"
         before = run.pose(0)
         for _ in range(30):
@@ -90,7 +90,7 @@ def test_a_client_that_goes_away_is_lost_its_robot_stops_and_it_may_come_back(
                 again.ask()
                 two.round()
                 again.answer()
-            assert run.engine.crew.drivers[0].record.state == "running"
+            assert run.engine.robots[0].record.state == "running"
             assert run.pose(0)[0] > before[0] + 0.8
         two.round()  # the world waits for both: it has seen the other go
         result = run.stop()

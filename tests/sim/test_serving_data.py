@@ -449,7 +449,7 @@ def test_a_reset_leaves_those_on_whose_start_something_stands(run: Serving) -> N
         client.round()
         put(client, "two", 8.0, 2.0, 0.0)
         client.round()
-        run.engine.context.records[1].start = run.engine.context.records[0].start
+        run.engine.robots[1].record.start = run.engine.robots[0].record.start
         client.command(SIMULATION, 0, 2)
         client.round()
         assert run.pose(0) == pytest.approx(ONE)

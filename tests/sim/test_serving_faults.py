@@ -77,7 +77,7 @@ def test_what_is_no_colour_is_refused_and_the_run_goes_on(run: Serving, value: b
         other.ask()
         client.round()
         other.answer()
-        assert run.engine.context.colors[0] == 0xA0B1C2
+        assert run.engine.robots[0].color == 0xA0B1C2
 
 
 # -- errors of ours -----------------------------------------------------------------------------

@@ -211,8 +211,8 @@ def test_shapes_of_points_that_are_no_numbers_are_not_drawn_and_far_points_are_l
     with serving(tmp_path, "differential") as run, pulling(run.port("one")) as client:
         for _ in range(3):
             drawn(client, [(0, 0), (1, math.nan)])
-        assert run.engine.context.drawings.get(0, []) == []
+        assert run.engine.robots[0].drawings == []
         assert sum("graphics2d's polyline" in line for line in run.lines) == 1
         drawn(client, [(0.5, 0.25), (1e300, -1e300), (-1.7e308, 0)])
-        (drawing,) = run.engine.context.drawings[0]
+        (drawing,) = run.engine.robots[0].drawings
         assert drawing.points.tolist() == [[0.5, 0.25], [1e6, -1e6], [-1e6, 0]]

@@ -89,7 +89,7 @@ def test_an_onlooker_that_pauses_for_ever_loses_its_connection(path: Path) -> No
         two.answer()
         with pytest.raises(Gone):
             onlooker.request(POSITION2D, 0, 1)
-        assert {record.state for record in run.engine.context.records} == {"running"}
+        assert {robot.record.state for robot in run.engine.robots} == {"running"}
 
 
 def test_the_others_are_not_blamed_for_a_pause(path: Path) -> None:
@@ -106,7 +106,7 @@ def test_the_others_are_not_blamed_for_a_pause(path: Path) -> None:
         two.ask()
         one.answer()
         two.answer()
-        assert {record.state for record in run.engine.context.records} == {"running"}
+        assert {robot.record.state for robot in run.engine.robots} == {"running"}
 
 
 def test_who_may_not_pause_is_not_taken_for_who_has(path: Path) -> None:

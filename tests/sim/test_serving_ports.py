@@ -10,7 +10,7 @@ import pytest
 
 import player
 from controllers import keyboard
-from sim import entry
+from sim import ports
 from tests.sim.raw_client import (
     LASER,
     POSITION2D,
@@ -102,9 +102,9 @@ def test_another_address_than_loopback_is_pointed_out(world: World) -> None:
 @pytest.fixture
 def default_port(monkeypatch: pytest.MonkeyPatch) -> int:
     """Where clients look that are told no port; another than Player's, which others may have."""
-    assert entry.DEFAULT_PORT == player.DEFAULT_PORT == 6665
+    assert ports.DEFAULT_PORT == player.DEFAULT_PORT == 6665
     port = two_free_ports()
-    monkeypatch.setattr(entry, "DEFAULT_PORT", port)
+    monkeypatch.setattr(ports, "DEFAULT_PORT", port)
     monkeypatch.setattr(player.environment, "DEFAULT_PORT", port)
     return port
 

@@ -289,7 +289,7 @@ def test_nothing_is_kept_of_clients_that_have_gone(run: Serving) -> None:
         assert len(engine.switchboard.connections) == 1
         assert sum(len(have) for have in engine.switchboard.connections.values()) == 1
         assert len(engine.crew.clocks.driven) == 1
-        assert all(not driver.origins for driver in engine.crew.drivers)
+        assert all(not robot.driver.origins for robot in engine.robots)
         # 400 connections have come and gone: had each left its session, of some 2 KB, that were
         # 800 KB; half a kilobyte for each is left to the interpreter's own caches
         assert grown < 200_000
@@ -321,12 +321,14 @@ def test_what_clients_leave_behind_is_bounded(run: Serving) -> None:
         for _ in range(1000):
             client.drive(0.1)  # while the world waits, the last command is all that is kept
         client.request(POSITION2D, 0, 1)
-        context = run.engine.context
-        assert len(context.pending[0]) == 256 + 1
-        assert sum(len(drawing.points) for drawing in context.drawings[0]) <= 50_000
-        assert len(context.records[0].said[0][1]) == 1000
+        context, robot = run.engine.context, run.engine.robots[0]
+        assert len(context.pending[0]) == 256 + 3  # a velocity, a picture, a sentence
+        assert not robot.drawings  # not before the others' turn
+        assert not robot.record.said
         client.round()
-        assert len(context.records[0].properties) == 256
+        assert sum(len(drawing.points) for drawing in robot.drawings) <= 50_000
+        assert len(robot.record.said[0][1]) == 1000
+        assert len(robot.record.properties) == 256
 
 
 # -- fuzz ---------------------------------------------------------------------------------------

@@ -79,8 +79,8 @@ def test_before_there_is_anything_to_lose_the_command_ends_at_once(
         ("sim.video.encode:put_index_in_front", TICKS),
         ("sim.video.encode:put_index_in_front:after", TICKS),
         ("sim.result:Result.as_json", TICKS),
-        ("json:dump", TICKS),
-        ("json:dump:after", TICKS),
+        ("sim.strictjson:dumps", TICKS),
+        ("sim.strictjson:dumps:after", TICKS),
     ],
 )
 def test_from_the_first_tick_to_the_last_byte_a_run_ends_in_order(

@@ -57,36 +57,35 @@ def troupe(cache: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of its own, in which a first command has compiled what there is."""
-    folder = tmp_path_factory.mktemp("numba")
-    done = python(EVERYTHING, NUMBA_CACHE_DIR=str(folder))
+def test_the_first_command_compiles_everything_and_later_ones_mend_what_is_damaged(
+    tmp_path: Path,
+) -> None:
+    """In a cache of its own; one test, as to compile everything takes a minute."""
+    done = python(EVERYTHING, NUMBA_CACHE_DIR=str(tmp_path))
     assert done.stdout == "nothing else was compiled\n", done.stderr
-    return folder
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
+    for words in (
         ("run", "wander", "--duration", "0.3"),
         ("disperse", "--grid", "4x4", "--door", "best"),
         ("check", "wander"),
-    ],
-)
-def test_the_next_commands_have_nothing_to_compile(cache: Path, words: tuple[str, ...]) -> None:
-    done = troupe(cache, *words)
-    assert (done.returncode, done.stderr) == (0, "")
+    ):
+        later = troupe(tmp_path, *words)
+        assert (later.returncode, later.stderr) == (0, ""), words
 
+    (kept,) = tmp_path.glob("sensors_*")
+    warm = troupe(tmp_path, "warm")
+    assert (warm.returncode, warm.stderr) == (0, "")
+    assert warm.stdout == f"all kernels are compiled, and kept in {kept}\n"
+    for mark in kept.glob("*.warm"):
+        mark.unlink()
+    assert troupe(tmp_path, "warm").stderr == KEPT.format(kept) + "\n"
 
-def test_a_whole_folder_of_damaged_files_is_compiled_anew(cache: Path) -> None:
-    (folder,) = cache.glob("gridworld_*")
+    (folder,) = tmp_path.glob("gridworld_*")
     for number, path in enumerate(sorted(folder.glob("*.nb?"))):
         path.write_bytes(path.read_bytes()[: (number % 3) * 40])
     again = ["compiling a kernel that is new here (only once; it may take a minute) ..."]
     for lines in (again, []):
-        done = troupe(cache, "disperse", "--grid", "4x4", "--door", "best")
-        assert (done.returncode, done.stderr.splitlines()) == (0, lines)
+        later = troupe(tmp_path, "disperse", "--grid", "4x4", "--door", "best")
+        assert (later.returncode, later.stderr.splitlines()) == (0, lines)
 
 
 KERNEL = """
@@ -157,13 +156,3 @@ def test_where_nothing_can_be_kept_it_is_said_with_what_to_do() -> None:
     done = python(NOWHERE.format(words=["disperse", "--grid", "3x3", "--door", "1,1"]))
     assert done.returncode == 0, done.stderr
     assert done.stderr == f"compiling (it may take a minute); {NOT_KEPT}\n"
-
-
-def test_warm_tells_what_it_does_and_where_it_keeps_it(cache: Path) -> None:
-    done = troupe(cache, "warm")
-    (folder,) = cache.glob("sensors_*")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"all kernels are compiled, and kept in {folder}\n"
-    for mark in folder.glob("*.warm"):
-        mark.unlink()
-    assert troupe(cache, "warm").stderr == KEPT.format(folder) + "\n"

@@ -27,7 +27,11 @@ READ_BY = {
 def sensors(
     files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[FILE.py]...", help="Sensors of your own, instead of Troupe's."),
+        typer.Argument(
+            metavar="[FILE.py]...",
+            help="Sensors of your own, instead of Troupe's.",
+            show_default="Troupe's",
+        ),
     ] = None,
 ) -> None:
     """Print the sensors and actuators, their settings, defaults and units.

@@ -8,6 +8,7 @@ import time
 import traceback
 from collections import OrderedDict, deque
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -123,7 +124,7 @@ def run(
         if loaded.world.player.port:  # several runs cannot share it, and it changes no result
             player = loaded.world.player.model_copy(update={"port": 0})
             world = loaded.world.model_copy(update={"player": player})
-            loaded = LoadedWorld(**{**vars(loaded), "world": world})
+            loaded = replace(loaded, world=world)
         settings = Settings(seed=task["seed"], duration=task["duration"])
         fleet = Fleet(show=said.append, waits=True)
         result = run_world(loaded, settings, fleet=fleet, say=said.append)

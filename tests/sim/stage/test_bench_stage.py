@@ -25,8 +25,8 @@ def crowd(count: int, size: tuple[float, float]) -> Stage:
     made = world(size=size, models=MODELS, robots=[entry])
     layout = build_layout(made, Path())
     stage = Stage(layout, made.models, made.clock)
-    for number, pose in enumerate(place(layout, expanded(enumerate(made.robots)), made.models, 1)):
-        stage.add_robot(f"a{number}", "a", pose)
+    for pose in place(layout, expanded(enumerate(made.robots)), made.models, 1):
+        stage.add_robot("a", pose)
     turns = np.random.default_rng(1).uniform(-0.8, 0.8, count)
     stage.command(np.arange(count), np.stack([np.full(count, 0.4), 0 * turns, turns], axis=1))
     return stage

@@ -28,7 +28,7 @@ def enter(layout: Layout, stage: Stage, doors: Doors) -> list[int]:
     entering = doors.advance()
     for door in entering:
         cell = layout.doors[door]
-        stage.add_robot(f"s{stage.count + 1}", cell.model, (*cell.centre, cell.heading))
+        stage.add_robot(cell.model, (*cell.centre, cell.heading))
     doors.begin(stage)
     return entering
 
@@ -66,7 +66,7 @@ def test_the_cell_must_be_free_when_the_step_begins_not_when_it_ends(
 ) -> None:
     _, stage, doors = set_up(tmp_path)
     there, away = (5.2, 5.0, 0.0), (2.0, 2.0, 0.0)
-    stage.add_robot("x", "a", there if stands_there else away)
+    stage.add_robot("a", there if stands_there else away)
     doors.begin(stage)
     for tick in range(1, 2 * TICKS):
         if tick == TICKS // 2:  # within step 1 it leaves, or comes

@@ -114,7 +114,7 @@ def drive(interval: float, seconds: float, twist: Any, sprayer: Any, **clock: An
     made = world(models={"r": model}, clock={"interval": interval, **clock})
     layout = build_layout(made, Path())
     stage, paint = Stage(layout, made.models, made.clock), FloorPaint(layout, 0.05)
-    robot = stage.add_robot("r", "r", (5.0, 5.0, 0.0))
+    robot = stage.add_robot("r", (5.0, 5.0, 0.0))
     mount = made.models["r"].actuators[0]
     for _ in range(round(seconds / interval)):
         stage.command([robot], [twist])

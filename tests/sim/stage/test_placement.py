@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from stage_worlds import corners, overlap, robot, world
 
 from sim.stage.layout import build_layout
-from sim.stage.placement import check_start, place
+from sim.stage.placement import check_start, place, spaced
 from sim.worldfile.mistakes import Mistake, WorldError
 from sim.worldfile.robots import expanded
 
@@ -196,3 +197,18 @@ def test_to_touch_at_the_start_is_no_mistake() -> None:
     assert not mistakes_of(
         [{"model": "a", "pose": (0.25, 5, 0)}, {"model": "a", "pose": (0.75, 5, 180)}]
     )
+
+
+@settings(deadline=None)
+@given(
+    first=st.floats(-100, 100),
+    extent=st.floats(-1, 50),
+    step=st.floats(0.01, 5),
+)
+def test_a_lattice_is_spaced_as_numpy_would_do_it(first: float, extent: float, step: float) -> None:
+    last = first + extent
+    assert list(spaced(first, last, step)) == np.arange(first, last + 1e-9, step).tolist()
+
+
+def test_a_lattice_of_billions_of_places_needs_no_room() -> None:
+    assert list(islice(spaced(0.0, 1e9, 0.1), 3)) == [0.0, 0.1, 0.2]

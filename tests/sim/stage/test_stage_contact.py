@@ -60,8 +60,8 @@ def test_robots_head_on_do_not_pass_through_each_other(
     drive = {"max_speed": 3.0, "max_turn_rate": 200.0, "max_acceleration": 10.0}
     models = {f"m{k}": robot(shape, drive) for k, shape in enumerate(shapes)}
     _, stage = set_up(models=models)
-    stage.add_robot("a", "m0", (4.0, 5.0, yaws[0]))
-    stage.add_robot("b", "m1", (6.0, 5.0 + aside, math.pi + yaws[1]))
+    stage.add_robot("m0", (4.0, 5.0, yaws[0]))
+    stage.add_robot("m1", (6.0, 5.0 + aside, math.pi + yaws[1]))
     stage.command([0, 1], [[speed, 0.0, turns[0]], [speed, 0.0, turns[1]]])
     bodies = [stage.models[f"m{k}"].body for k in range(2)]
     assert run(stage, bodies, 25) <= DEEPEST
@@ -69,8 +69,8 @@ def test_robots_head_on_do_not_pass_through_each_other(
 
 def test_two_equal_robots_head_on_stop_and_stall() -> None:
     _, stage = set_up(models={"a": robot()})
-    stage.add_robot("a", "a", (4, 5, 0))
-    stage.add_robot("b", "a", (6, 5, math.pi))
+    stage.add_robot("a", (4, 5, 0))
+    stage.add_robot("a", (6, 5, math.pi))
     stage.command([0, 1], [[0.5, 0.0, 0.0]] * 2)
     worst = run(stage, [stage.models["a"].body] * 2, 60)
     assert worst <= DEEPEST
@@ -83,7 +83,7 @@ def test_two_equal_robots_head_on_stop_and_stall() -> None:
 def test_a_pushed_box_moves_and_comes_to_rest_and_stops_at_the_wall() -> None:
     obstacle = {"shape": "box", "size": (1, 1), "pose": (5, 5, 0), "movable": True, "mass": 5.0}
     layout, stage = set_up(models={"a": robot()}, obstacles=[obstacle])
-    stage.add_robot("r", "a", (3, 5, 0))
+    stage.add_robot("a", (3, 5, 0))
     bodies = [stage.models["a"].body, layout.movables[0].body]
     stage.command([0], [[0.5, 0.0, 0.0]])
     worst = run(stage, bodies, 60)
@@ -105,7 +105,7 @@ def test_a_pushed_box_moves_and_comes_to_rest_and_stops_at_the_wall() -> None:
 def test_a_heavy_box_is_not_moved() -> None:
     obstacle = {"shape": "circle", "radius": 0.5, "pose": (5, 5, 0), "movable": True, "mass": 50.0}
     _, stage = set_up(models={"a": robot()}, obstacles=[obstacle])
-    stage.add_robot("r", "a", (4, 5, 0))
+    stage.add_robot("a", (4, 5, 0))
     stage.command([0], [[0.5, 0.0, 0.0]])
     for _ in range(60):
         stage.tick()
@@ -130,9 +130,9 @@ def test_a_light_robot_between_a_heavy_one_and_a_wall_is_not_squashed(
         for name, mass in (("heavy", heavy), ("light", light))
     }
     _, stage = set_up(models=models)
-    for number, x in enumerate([9.7, 9.1]):
-        stage.add_robot(str(number), "light", (x, 5.0, yaw))
-    stage.add_robot("h", "heavy", (8.2, 5.0, 0.0))
+    for x in (9.7, 9.1):
+        stage.add_robot("light", (x, 5.0, yaw))
+    stage.add_robot("heavy", (8.2, 5.0, 0.0))
     stage.command([2], [[speed, 0.0, 0.0]])
     bodies = [stage.models[name].body for name in ("light", "light", "heavy")]
     assert run(stage, bodies, 30) <= DEEPEST
@@ -154,7 +154,7 @@ def test_a_crowd_of_very_unequal_masses_does_not_overlap() -> None:
     _, stage = set_up(size=(4.0, 4.0), models=models)
     for k in range(9):
         place = (np.array([k % 3, k // 3]) + 0.5) * 4.0 / 3.0
-        stage.add_robot(str(k), f"m{k % 4}", (*place, rng.uniform(-3, 3)))
+        stage.add_robot(f"m{k % 4}", (*place, rng.uniform(-3, 3)))
     bodies = [stage.models[f"m{k % 4}"].body for k in range(9)]
     for _ in range(4):
         stage.command(np.arange(9), rng.uniform([-2, -2, -3], [2, 2, 3], (9, 3)))
@@ -165,11 +165,11 @@ def test_a_crowd_of_very_unequal_masses_does_not_overlap() -> None:
 def test_ten_robots_cannot_push_another_through_a_wall(kind: str) -> None:
     drive = {"kind": kind, "max_force": 400.0, "max_speed": 1.0}
     _, stage = set_up(models={"a": robot(drive=drive)})
-    stage.add_robot("x", "a", (9.6, 5, 0.3))
+    stage.add_robot("a", (9.6, 5, 0.3))
     for k in range(10):
         angle = math.pi / 2 + math.pi * (k + 0.5) / 10
         place = np.array([9.6, 5.0]) + 2.0 * np.array([math.cos(angle), math.sin(angle)])
-        stage.add_robot(str(k), "a", (*place, angle - math.pi))
+        stage.add_robot("a", (*place, angle - math.pi))
     stage.command(np.arange(1, 11), [[1.0, 0.0, 0.0]] * 10)
     assert run(stage, [stage.models["a"].body] * 11, 80) <= DEEPEST
     assert stage.contact_counts[0] > 0
@@ -194,7 +194,7 @@ def test_robots_that_drive_blindly_never_leave_a_closed_arena(
     bodies = []
     for k in range(count):
         place = (np.array([k % side, k // side]) + 0.5) * size / side
-        stage.add_robot(str(k), SHAPES[k % 3], (*place, rng.uniform(-3, 3)))
+        stage.add_robot(SHAPES[k % 3], (*place, rng.uniform(-3, 3)))
         bodies.append(stage.models[SHAPES[k % 3]].body)
     fast = drive["max_speed"]
     for tick in range(60):
@@ -215,7 +215,7 @@ def test_a_fast_robot_does_not_tunnel_through_a_thin_wall() -> None:
     obstacle = {"shape": "box", "size": (0.02, 8), "pose": (6, 5, 0)}
     drive = {"max_speed": 20.0, "max_acceleration": 200.0, "max_force": 5000.0}
     _, stage = set_up(models={"a": robot(drive=drive)}, obstacles=[obstacle])
-    stage.add_robot("r", "a", (2, 5, 0))
+    stage.add_robot("a", (2, 5, 0))
     stage.command([0], [[20.0, 0.0, 0.0]])
     worst = run(stage, [stage.models["a"].body], 10)
     assert worst <= DEEPEST
@@ -244,8 +244,8 @@ def test_nothing_passes_a_wall_at_any_clock(
         obstacles=[wall, ball],
         models={"a": robot("circle", drive, radius=radius)},
     )
-    stage.add_robot("r", "a", (2.0, 5.0, yaw))
-    stage.add_robot("s", "a", (2.0, 5.5, 0.0))
+    stage.add_robot("a", (2.0, 5.0, yaw))
+    stage.add_robot("a", (2.0, 5.5, 0.0))
     stage.command([0, 1], [[speed, 0.0, 0.0]] * 2)
     for _ in range(min(100, math.ceil(12.0 / speed / step) + 3)):
         stage.tick()
@@ -263,8 +263,8 @@ def test_a_standing_robot_gives_way_only_to_more_than_its_own_force(
     """Its wheels hold 100 N, along and across; it is hit at 0.5 m/s, which shoves it a little."""
     models = {"stands": robot(), "pushes": robot(drive={"max_force": force})}
     _, stage = set_up(models=models)
-    stage.add_robot("x", "stands", (5, 5, yaw))
-    stage.add_robot("y", "pushes", (4, 5, 0))
+    stage.add_robot("stands", (5, 5, yaw))
+    stage.add_robot("pushes", (4, 5, 0))
     stage.command([1], [[0.5, 0.0, 0.0]])
     for _ in range(60):
         stage.tick()
@@ -274,7 +274,7 @@ def test_a_standing_robot_gives_way_only_to_more_than_its_own_force(
 
 def test_a_wall_at_an_angle_lets_a_robot_slide_along() -> None:
     _, stage = set_up(models={"a": robot("circle", friction=0.0)})
-    stage.add_robot("r", "a", (5, 9.5, math.radians(30)))
+    stage.add_robot("a", (5, 9.5, math.radians(30)))
     stage.command([0], [[0.5, 0.0, 0.0]])
     for _ in range(30):
         stage.tick()
@@ -304,9 +304,9 @@ def test_the_friction_of_two_bodies_is_the_product_of_their_coefficients(
         models=models,
     )
     stage = Stage(build_layout(made, tmp_path), made.models, made.clock)
-    stage.add_robot("r", "a", (2.0, top - 0.2, 0.0))
+    stage.add_robot("a", (2.0, top - 0.2, 0.0))
     if against == "robot":
-        stage.add_robot("s", "b", (5.0, 8.5, 0.0))
+        stage.add_robot("b", (5.0, 8.5, 0.0))
         stage.settle(1)
     stage.command([0], [[0.3, 0.3, 0.0]])
     for _ in range(40):
@@ -316,7 +316,7 @@ def test_the_friction_of_two_bodies_is_the_product_of_their_coefficients(
 
 def test_only_what_begins_to_touch_counts() -> None:
     _, stage = set_up(models={"a": robot()})
-    stage.add_robot("r", "a", (9.0, 5, 0))
+    stage.add_robot("a", (9.0, 5, 0))
     stage.command([0], [[0.5, 0.0, 0.0]])
     for _ in range(60):
         stage.tick()
@@ -340,7 +340,7 @@ def test_a_robot_that_slides_over_the_seams_of_a_map_touches_one_wall_once(
     (tmp_path / "seams.txt").write_text("\n".join(rows))
     made = world(size=None, map={"file": "seams.txt", "cell": 1.0}, models={"a": robot("circle")})
     stage = Stage(build_layout(made, tmp_path), made.models, made.clock)
-    stage.add_robot("r", "a", (1.5, 3.26, math.radians(-20)))
+    stage.add_robot("a", (1.5, 3.26, math.radians(-20)))
     stage.command([0], [[0.5, 0.0, 0.0]])
     for _ in range(120):
         stage.tick()
@@ -350,9 +350,9 @@ def test_a_robot_that_slides_over_the_seams_of_a_map_touches_one_wall_once(
 
 def test_contact_points_lie_on_both_bodies() -> None:
     _, stage = set_up(models={"a": robot()})
-    stage.add_robot("a", "a", (4.7, 5, 0))
-    stage.add_robot("b", "a", (5.3, 5.1, math.pi))
-    stage.add_robot("c", "a", (2, 2, 0))
+    stage.add_robot("a", (4.7, 5, 0))
+    stage.add_robot("a", (5.3, 5.1, math.pi))
+    stage.add_robot("a", (2, 2, 0))
     stage.command([0, 1], [[0.5, 0.0, 0.0]] * 2)
     for _ in range(10):
         stage.tick()
@@ -376,7 +376,7 @@ def test_touching_stretches_lie_on_the_robots_own_outlines() -> None:
         [(4.2, 5.1), (5.8, 4.9), (5.0, 5.8), (4.9, 4.2), (3.4, 5), (6.6, 5)]
     ):
         heading = math.atan2(5 - y, 5 - x)
-        stage.add_robot(str(k), "abc"[k % 3], (x, y, heading))
+        stage.add_robot("abc"[k % 3], (x, y, heading))
     stage.command(np.arange(6), [[0.5, 0.0, 0.0]] * 6)
     for _ in range(25):
         stage.tick()
@@ -384,7 +384,7 @@ def test_touching_stretches_lie_on_the_robots_own_outlines() -> None:
     assert set(robots) == set(range(6))
     assert robots.tolist() == sorted(robots)
     for number, *stretch in zip(robots, starts, ends, strict=True):
-        body, pose = stage.models[stage.model_names[number]].body, stage.poses[number]
+        body, pose = stage.model(number).body, stage.poses[number]
         for point in stretch:
             if body.shape == "circle":
                 off = math.dist(point, pose[:2]) - body.radius
@@ -404,8 +404,8 @@ def test_touching_stretches_lie_on_the_robots_own_outlines() -> None:
 
 def test_robots_that_overlap_when_they_come_are_parted() -> None:
     _, stage = set_up(models={"a": robot()})
-    stage.add_robot("a", "a", (5, 5, 0))
-    stage.add_robot("b", "a", (5.3, 5.1, 0.2))
+    stage.add_robot("a", (5, 5, 0))
+    stage.add_robot("a", (5.3, 5.1, 0.2))
     for _ in range(30):
         stage.tick()
     assert deepest(stage, [stage.models["a"].body] * 2) <= DEEPEST
@@ -428,7 +428,7 @@ def test_nobody_gets_through_the_walls_of_an_image(tmp_path: Any) -> None:
     rng = np.random.default_rng(2)
     places = [(0.3, 2.7), (1.2, 2.7), (0.4, 1.5), (1.5, 1.3), (2.7, 1.5), (0.5, 0.4), (2.2, 0.3)]
     for number, place in enumerate(places):
-        stage.add_robot(str(number), "ab"[number % 2], (*place, rng.uniform(-3, 3)))
+        stage.add_robot("ab"[number % 2], (*place, rng.uniform(-3, 3)))
     bodies = [made.models["ab"[number % 2]].body for number in range(len(places))]
     for tick in range(100):
         if tick % 10 == 0:
@@ -447,14 +447,14 @@ def way() -> str:
     rng = np.random.default_rng(5)
     for k in range(25):
         place = (k % 5 + 0.7, k // 5 + 0.7)
-        stage.add_robot(str(k), SHAPES[k % 3], (*place, rng.uniform(-3, 3)))
+        stage.add_robot(SHAPES[k % 3], (*place, rng.uniform(-3, 3)))
     digest = hashlib.sha256()
     for tick in range(40):
         if tick % 8 == 0:
             stage.command(np.arange(25), rng.uniform(-0.5, 0.5, (25, 3)))
         if tick == 20:
             stage.settle(7)
-            stage.add_robot("late", "box", (5.7, 5.7, 0.5))
+            stage.add_robot("box", (5.7, 5.7, 0.5))
         stage.tick()
         robots, points = stage.contact_points
         for array in (stage.poses, stage.velocities, stage.contact_counts, robots, points):

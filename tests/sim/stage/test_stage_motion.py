@@ -20,7 +20,7 @@ OPEN = {"size": (100.0, 100.0)}
 def one(model: dict[str, Any], pose: Any = (50, 50, 0)) -> Stage:
     """A stage of 100 x 100 m with one robot."""
     _, stage = set_up(**OPEN, models={"a": model})
-    stage.add_robot("r", "a", pose)
+    stage.add_robot("a", pose)
     return stage
 
 
@@ -41,7 +41,7 @@ def test_in_the_open_a_robot_keeps_the_commanded_speed_within_one_percent(
 ) -> None:
     drive = {"max_speed": 2.0, "max_turn_rate": 180.0}
     _, stage = set_up(**OPEN, models={"a": robot(shape, drive)})
-    stage.add_robot("r", "a", (50, 50, yaw))
+    stage.add_robot("a", (50, 50, yaw))
     stage.command([0], [[speed, 0.0, turn]])
     go(stage, 20)  # 1 s to reach 2 m/s at 2 m/s2, then some
     before, way = stage.poses[0].copy(), stage.distances[0]
@@ -263,8 +263,8 @@ def test_joints_and_forces_move_a_robot_alike() -> None:
 
 def test_a_settled_robot_is_a_wall() -> None:
     _, stage = set_up(models={"a": robot(), "b": robot(drive={"max_force": 5000})})
-    stage.add_robot("r", "a", (5, 5, 0))
-    stage.add_robot("s", "b", (3, 5, 0))
+    stage.add_robot("a", (5, 5, 0))
+    stage.add_robot("b", (3, 5, 0))
     stage.command([0, 1], [[0.5, 0.0, 0.0]] * 2)
     stage.settle(0)
     go(stage, 60)
@@ -290,10 +290,9 @@ def test_a_robot_put_elsewhere_goes_on_from_there() -> None:
 def test_robots_may_come_at_any_time_and_keep_their_numbers() -> None:
     _, stage = set_up(**OPEN, models={"a": robot()})
     for number in range(40):
-        assert stage.add_robot(f"r{number}", "a", (2.0 + 2 * number, 50, 1.5)) == number
+        assert stage.add_robot("a", (2.0 + 2 * number, 50, 1.5)) == number
         stage.command([number], [[0.1, 0.0, 0.0]])
         stage.tick()
-    assert stage.names[17] == "r17"
     assert stage.poses[:, 0] == pytest.approx(2.0 + 2 * np.arange(40), abs=0.3)
     assert np.all(np.diff(stage.distances) < 0)  # who came first has gone farthest
 
@@ -314,7 +313,7 @@ def test_commands_that_are_no_numbers_are_refused() -> None:
 @given(turns=st.floats(-50, 50))
 def test_yaws_are_wrapped(turns: float) -> None:
     _, stage = set_up(models={"a": robot()})
-    stage.add_robot("r", "a", (5, 5, turns))
+    stage.add_robot("a", (5, 5, turns))
     for _ in range(2):
         assert -math.pi < stage.poses[0, 2] <= math.pi
         assert math.remainder(stage.poses[0, 2] - turns, math.tau) == pytest.approx(0, abs=1e-12)
@@ -328,8 +327,8 @@ def crowded() -> Stage:
     """Two robots of 0.5 x 0.4 m, a box that stands and one that can be pushed."""
     obstacles = [BOX, {**BOX, "pose": (8.0, 5.0, 0), "movable": True}]
     _, stage = set_up(models={"a": robot()}, obstacles=obstacles)
-    stage.add_robot("a", "a", (2.0, 2.0, 0.0))
-    stage.add_robot("b", "a", (4.0, 2.0, 0.0))
+    stage.add_robot("a", (2.0, 2.0, 0.0))
+    stage.add_robot("a", (4.0, 2.0, 0.0))
     return stage
 
 
@@ -339,7 +338,7 @@ def crowded() -> Stage:
 )
 def test_no_robot_is_put_into_anything(pose: tuple[float, float, float]) -> None:
     stage = crowded()
-    with pytest.raises(ValueError, match="robot a has no room"):
+    with pytest.raises(ValueError, match="robot 0 has no room"):
         stage.set_pose(0, pose)
     assert stage.poses[0] == pytest.approx([2, 2, 0])
 

@@ -11,7 +11,7 @@ from world_texts import HEAD, mistakes_in, mistakes_of
 import troupe
 from sim.stage import clearance
 from sim.stage.geometry import Floats
-from troupe.commands.run import parse_listen
+from troupe.running import parse_listen
 from troupe.usage import UsageError
 from troupe.worlds import find_world
 
@@ -34,6 +34,8 @@ REFUSED = {
     LASER % "range: 1e300": "5:36: models.rover.sensors.0.range: is out of range",
     LASER % "pose: [0, -1e10, 0]": "5:39: models.rover.sensors.0.pose.1: is out of range",
     LASER % f"range: 1{'0' * 300}": "5:36: models.rover.sensors.0.range: is out of range",
+    "region: [[1, 1], [1e9, 1], [9, 7], [1, 7]]\n"
+    "robots: [{model: rover, count: 3, placement: {same_y: true}}]": "5:9: region: a corner lies",
     "robots:\n- {model: rover, count: 99999, placement: random}\n"
     "- {model: rover, count: 99999, placement: random}": "7:3: robots.1: with these there would be",
 }
@@ -53,7 +55,7 @@ def test_what_is_beyond_all_measure_is_one_mistake_with_its_place(
     ["boundary.thickness=1e9", "boundary.height=1e9", "robots.0.pose=[0.3, 0.3, 1e9]",
      "models.r.body.height=1e-9", "size=[1e6, 1]", "size=[1e9, 1]", "size=[1, 1e9]",
      "obstacles=[{shape: box, size: [1e9, 0.1], pose: [0, 6, 30]}]",
-     "models.r.drive.max_speed=1e9", "models.r.body.mass=1e9", "floor.resolution=1e9",
+     "models.r.body.mass=1e9", "floor.resolution=1e9",
      "duration=1e-9", "clock={interval: 1e-9}", "name=" + "x" * 5000],
 )  # fmt: skip
 def test_a_world_at_the_ends_of_what_is_allowed_runs(

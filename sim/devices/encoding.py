@@ -1,9 +1,12 @@
-"""Readings of many robots encoded together: one array of bytes per group of equal sensors."""
+"""Readings and states of many robots, encoded together: bytes per group of equal sensors.
+
+Rule: a message is encoded at most once a tick, when the first client of any robot gets it.
+"""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -13,6 +16,7 @@ from numpy.typing import NDArray
 from sensors.readings import Blobs, Elements, Intensities, Scans
 from sensors.suite import Group
 
+STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
 BLOBS = struct.Struct(">IIII")
 BLOB = np.dtype(
     [(name, ">u4") for name in ["id", "color", "area", "x", "y", "left", "right", "top", "bottom"]]
@@ -20,90 +24,75 @@ BLOB = np.dtype(
 )
 
 
-class Encoder:
-    """Encodes a group's wanted rows once per tick, when the first of them is asked for."""
+Encode = Callable[[Group], tuple[Sequence[int], bytes]]
+"""Encodes a group's wanted rows: where each one's message ends, and all of them in a row."""
 
-    def __init__(self, group: Group, encode: Callable[[Group], NDArray[Any]]) -> None:
+
+class GroupEncoder:
+    """One kind of message of a group's wanted rows, encoded when the first of a tick asks."""
+
+    def __init__(self, group: Group, encode: Encode) -> None:
         self.group = group
         self.encode = encode
         self.tick = -1
-        self.size = 0
+        self.ends: Sequence[int] = ()
         self.data = b""
         self.rows: NDArray[Any] = np.zeros(0, np.int64)
-        self.place: dict[int, int] = {}
+        self.places: dict[int, int] = {}  # of rows among those that are wanted
 
     def payload(self, row: int, tick: int) -> bytes:
         """The message of one row of the group."""
         if tick != self.tick:
-            rows = self.encode(self.group)
-            self.size = rows.dtype.itemsize
-            self.data = rows.tobytes()
+            self.ends, self.data = self.encode(self.group)
             if not np.array_equal(self.rows, self.group.rows):
                 self.rows = self.group.rows.copy()
-                self.place = {row: k for k, row in enumerate(self.rows.tolist())}
+                self.places = {row: k for k, row in enumerate(self.rows.tolist())}
             self.tick = tick
-        at = self.place[row] * self.size
-        return self.data[at : at + self.size]
+        place = self.places[row]
+        return self.data[self.ends[place - 1] if place else 0 : self.ends[place]]
 
 
-class BlobEncoder:
-    """Encodes the blobs of a group's wanted rows once per tick: blobfinder BLOBS (subtype 1)."""
-
-    def __init__(self, group: Group) -> None:
-        self.group = group
-        self.tick = -1
-        self.counts: list[int] = []
-        self.ends: list[int] = []
-        self.data = b""
-        self.rows: NDArray[Any] = np.zeros(0, np.int64)
-        self.place: dict[int, int] = {}
-
-    def payload(self, row: int, tick: int) -> bytes:
-        """The message of one row of the group."""
-        readings = self.group.readings
-        assert isinstance(readings, Blobs)
-        if tick != self.tick:
-            self.encode(readings)
-            self.tick = tick
-        at = self.place[row]
-        count, end = self.counts[at], self.ends[at]
-        head = BLOBS.pack(readings.width, readings.height, count, count)
-        return head + self.data[end - count * BLOB.itemsize : end]
-
-    def encode(self, readings: Blobs) -> None:
-        """All rows' blobs, one behind the other."""
-        rows = self.group.rows
-        counts = readings.counts[rows]
-        most = int(counts.max(initial=0))
-        held = np.arange(most) < counts[:, None]
-        self.data = readings.blobs[rows, :most][held].astype(BLOB).tobytes()
-        self.counts = counts.tolist()
-        self.ends = (np.cumsum(counts) * BLOB.itemsize).tolist()
-        if not np.array_equal(self.rows, rows):
-            self.rows = rows.copy()
-            self.place = {row: k for k, row in enumerate(rows.tolist())}
-
-
-class Encoders:
-    """The encoders of a run, by group and message."""
+class StateEncoder:
+    """The state messages of all robots, encoded together once per tick."""
 
     def __init__(self) -> None:
-        self.known: dict[tuple[int, str], Encoder] = {}
-        self.blobs: dict[int, BlobEncoder] = {}
-        self.tick = 0
+        self.rows: NDArray[Any] = np.zeros(0, STATE)
+        self.data = b""
 
-    def blobs_of(self, group: Group) -> BlobEncoder:
-        """The encoder of a group of blobfinders."""
-        if id(group) not in self.blobs:
-            self.blobs[id(group)] = BlobEncoder(group)
-        return self.blobs[id(group)]
+    def update(
+        self,
+        poses: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+        stalls: NDArray[np.bool_],
+    ) -> None:
+        """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
+        if len(self.rows) != len(poses):
+            self.rows = np.zeros(len(poses), STATE)
+        self.rows["pose"] = poses
+        self.rows["velocity"] = velocities
+        self.rows["stall"] = stalls
+        self.data = self.rows.tobytes()
 
-    def get(self, group: Group, name: str) -> Encoder:
-        """The encoder of a group for one kind of message."""
-        key = (id(group), name)
-        if key not in self.known:
-            self.known[key] = Encoder(group, ENCODE[name])
-        return self.known[key]
+    def payload(self, robot: int) -> bytes:
+        """Robot's message."""
+        return self.data[robot * STATE.itemsize : (robot + 1) * STATE.itemsize]
+
+
+class Encodings:
+    """All that is encoded in batches: the robots' states, and readings by group and message."""
+
+    def __init__(self) -> None:
+        self.states = StateEncoder()
+        self.tick = -1
+        self.groups: dict[tuple[int, str], GroupEncoder] = {}
+
+    def payload(self, group: Group, message: str, row: int) -> bytes:
+        """One of the messages below, of one row of a group, as of this tick."""
+        encoder = self.groups.get((id(group), message))
+        if encoder is None:
+            encoder = GroupEncoder(group, ENCODE[message])
+            self.groups[id(group), message] = encoder
+        return encoder.payload(row, self.tick)
 
 
 def encode_scans(group: Group) -> NDArray[Any]:
@@ -204,9 +193,37 @@ def encode_sonar(group: Group) -> NDArray[Any]:
     return encode_array(group.readings.ranges[group.rows], ">f4")
 
 
-ENCODE: dict[str, Callable[[Group], NDArray[Any]]] = {
-    "scans": encode_scans,
-    "ranges": encode_ranges,
-    "intensities": encode_intensities,
-    "sonar": encode_sonar,
+def encode_blobs(group: Group) -> tuple[list[int], bytes]:
+    """blobfinder BLOBS (subtype 1)."""
+    readings = group.readings
+    assert isinstance(readings, Blobs)
+    counts = readings.counts[group.rows]
+    most = int(counts.max(initial=0))
+    held = np.arange(most) < counts[:, None]
+    blobs = readings.blobs[group.rows, :most][held].astype(BLOB).tobytes()
+    parts, start = [], 0
+    for count in counts.tolist():
+        end = start + count * BLOB.itemsize
+        parts += [BLOBS.pack(readings.width, readings.height, count, count), blobs[start:end]]
+        start = end
+    return np.cumsum(BLOBS.size + counts * BLOB.itemsize).tolist(), b"".join(parts)
+
+
+def alike(encode: Callable[[Group], NDArray[Any]]) -> Encode:
+    """Messages that are all of one length."""
+
+    def encoded(group: Group) -> tuple[Sequence[int], bytes]:
+        rows = encode(group)
+        size = rows.dtype.itemsize
+        return range(size, size * len(rows) + 1, size), rows.tobytes()
+
+    return encoded
+
+
+ENCODE: dict[str, Encode] = {
+    "scans": alike(encode_scans),
+    "ranges": alike(encode_ranges),
+    "intensities": alike(encode_intensities),
+    "sonar": alike(encode_sonar),
+    "blobs": encode_blobs,
 }

@@ -1,4 +1,4 @@
-"""What a camera would see, after recognition: blobs of colour, and fiducials."""
+"""A camera that reports blobs of colour."""
 
 from __future__ import annotations
 
@@ -9,14 +9,11 @@ from typing import Any, NamedTuple
 
 from player.codes import Interface
 from player.errors import PlayerRefused, PlayerTimeout, XdrError
-from player.proxies.base import Geometry, Proxy, geometry, reading
+from player.proxies.base import Proxy, reading
 from player.table import Blob as WireBlob
-from player.table import Fiducial
 
 _HEAD = struct.Struct(">4I")
 _BLOB = struct.Struct(">9If")
-_COUNTS = struct.Struct(">II")
-_FIDUCIAL = struct.Struct(">i12d")
 
 GET_DOUBLE_PROPERTY = 252
 """Player's request for a number that a driver knows by name."""
@@ -128,41 +125,3 @@ class BlobfinderProxy(Proxy):
             blue_min=blue[0],
             blue_max=blue[1],
         )
-
-
-class FiducialProxy(Proxy):
-    """Player's fiducial finder. Poses are relative to the detector; yaw is relative heading."""
-
-    interface = Interface.FIDUCIAL
-
-    fiducials: list[Fiducial] = reading()
-    """Fiducials in sight."""
-
-    def decode(self, subtype: int, payload: bytes) -> None:
-        """The fiducials in sight; see Proxy."""
-        if subtype != 1:
-            return
-        size = len(payload)
-        if size < 8 or (size - 8) % 100:
-            raise XdrError(f"{self.addr}: {size} bytes are no fiducials")
-        n, again = _COUNTS.unpack_from(payload)
-        if n != again or size != 8 + 100 * n:
-            raise XdrError(f"{self.addr}: {n} fiducials do not fit {size} bytes")
-        self.fiducials = list(map(Fiducial._make, _FIDUCIAL.iter_unpack(payload[8:])))
-
-    def request_geometry(self) -> Geometry:
-        """Where the detector is mounted, and its size."""
-        return geometry(self._request(1))
-
-    def request_fov(self) -> tuple[float, float, float]:
-        """Least range and greatest range, metres, and the view's angle, radians."""
-        reply = self._request(2)
-        return reply["min_range"], reply["max_range"], reply["view_angle"]
-
-    def request_id(self) -> int:
-        """The fiducial that this robot itself carries."""
-        return int(self._request(7)["id"])
-
-    def set_id(self, number: int) -> int:
-        """Asks for another fiducial on this robot; returns the one it has then."""
-        return int(self._request(8, id=number)["id"])

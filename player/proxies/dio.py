@@ -1,4 +1,4 @@
-"""What a robot puts out besides motion: digital outputs, and speech."""
+"""Digital outputs and inputs: a sprayer, for instance."""
 
 from __future__ import annotations
 
@@ -29,13 +29,3 @@ class DioProxy(Proxy):
     def set_output(self, bits: int, count: int = 1) -> None:
         """Commands the first `count` lines to the values in `bits`."""
         self._command(1, count=count, bits=bits)
-
-
-class SpeechProxy(Proxy):
-    """Player's speech: what a robot says goes into the result, and into the video."""
-
-    interface = Interface.SPEECH
-
-    def say(self, text: str) -> None:
-        """Says `text`, at the time of the next reading."""
-        self._command(1, text=text)

@@ -1,9 +1,8 @@
-"""blobfinder and fiducial: what a robot sees, and the mark that it carries itself."""
+"""blobfinder: runs of one colour in an image."""
 
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -13,42 +12,16 @@ from numpy.typing import NDArray
 
 from player import DeviceAddr
 from player.codes import Interface
-from sensors.readings import Blobs, Fiducials
-from sim.devices.batch import BLOB, BLOBS, Encoders
-from sim.devices.device import Context, Refused, Values, flat_pose
-from sim.devices.ranging import SENSOR_SIZE
-
-COUNTS = struct.Struct(">II")
-FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6)])
+from sensors.readings import Blobs
+from sim.devices.device import Context, Refused, Values
+from sim.devices.encoding import BLOB, BLOBS, Encodings
+from sim.devices.sensor import SensorDevice
+from sim.robot import Robot
 
 MOST_CHANNELS = 32
 """Channels of colour that a blobfinder can be told (as many as the CMUcam of old had)."""
 FIELD_OF_VIEW = "fov"
 """The property that tells the image's width as an angle, radians: blobs travel without it."""
-LARGEST_ID = 0x7FFF_FFFF
-"""Ids travel as signed numbers in what a finder sees."""
-
-
-class SensorDevice:
-    """A sensor slot of one robot."""
-
-    def __init__(self, context: Context, robot: int, slot: int) -> None:
-        self.context = context
-        self.robot = robot
-        self.slot = slot
-        self.group, self.row = context.suite.place(robot, slot)
-
-    @property
-    def sensor(self) -> int:
-        """The sensor's number among its robot's."""
-        return self.slot
-
-    @property
-    def mount(self) -> tuple[float, ...]:
-        return flat_pose(*map(float, self.group.settings.mount))
-
-    def command(self, name: str, values: Values) -> None:
-        """There are no commands."""
 
 
 @dataclass(frozen=True)
@@ -79,17 +52,15 @@ class Blobfinder(SensorDevice):
 
     addr = DeviceAddr(Interface.BLOBFINDER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
-        super().__init__(context, robot, slot)
-        self.encoders = encoders
-        self.encoder = encoders.blobs_of(self.group)
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
+        super().__init__(context, encodings, robot, sensor)
         colors: tuple[int, ...] = getattr(self.group.settings, "colors", ())
         self.channels = {number: exactly(color) for number, color in enumerate(colors)}
         self.told = False
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         if not self.told:
-            return ((1, self.encoder.payload(self.row, self.encoders.tick)),)
+            return ((1, self.payload("blobs")),)
         readings = self.group.readings
         assert isinstance(readings, Blobs)
         seen = self.chosen(readings.seen(self.row))
@@ -140,69 +111,3 @@ def exactly(color: int) -> Channel:
     """The channel that takes one colour 0xRRGGBB alone."""
     red, green, blue = color >> 16 & 255, color >> 8 & 255, color & 255
     return Channel((red, red), (green, green), (blue, blue))
-
-
-def carried_id(context: Context, robot: int, name: str, values: Values) -> Values:
-    """Answer a request about the id that a robot carries: to read it, or to set it."""
-    if name == "get_id":
-        return {"id": context.fiducials[robot]}
-    if name != "set_id" or values["id"] > LARGEST_ID:
-        raise Refused
-    fiducial = values["id"]
-
-    context.fiducials[robot] = fiducial  # known to its own clients alone, until others look
-    context.later(robot, lambda: context.remark(robot, fiducial), "fiducial")
-    return {"id": fiducial}
-
-
-class FiducialFinder(SensorDevice):
-    """Marked things in sight."""
-
-    addr = DeviceAddr(Interface.FIDUCIAL, 0)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        readings = self.group.readings
-        assert isinstance(readings, Fiducials)
-        seen: Any = readings.seen(self.row)
-        rows = np.zeros(len(seen), FIDUCIAL)
-        rows["id"] = seen["id"]
-        rows["pose"][:, 0] = seen["x"]
-        rows["pose"][:, 1] = seen["y"]
-        rows["pose"][:, 5] = seen["yaw"]
-        return ((1, COUNTS.pack(len(rows), len(rows)) + rows.tobytes()),)
-
-    def request(self, name: str, values: Values) -> Values | None:
-        readings = self.group.readings
-        assert isinstance(readings, Fiducials)
-        if name == "geometry":
-            return {"pose": self.mount, "size": SENSOR_SIZE, "fiducial_size": (0.1, 0.1)}
-        if name == "get_fov":
-            return {
-                "min_range": 0.0,
-                "max_range": readings.max_range,
-                "view_angle": readings.fov,
-            }
-        return carried_id(self.context, self.robot, name, values)
-
-
-class Marker:
-    """The id of a robot that carries one and has no finder itself: it never sees anything."""
-
-    def __init__(self, context: Context, robot: int, size: tuple[float, float, float]) -> None:
-        self.context = context
-        self.robot = robot
-        self.size = size
-        self.addr = DeviceAddr(Interface.FIDUCIAL, 0)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, COUNTS.pack(0, 0)),)
-
-    def command(self, name: str, values: Values) -> None:
-        """There are no commands."""
-
-    def request(self, name: str, values: Values) -> Values | None:
-        if name == "geometry":
-            length, width, height = self.size
-            size = (width, length, height)
-            return {"pose": flat_pose(), "size": size, "fiducial_size": (width, length)}
-        return carried_id(self.context, self.robot, name, values)

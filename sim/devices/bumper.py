@@ -1,4 +1,4 @@
-"""bumper and aio: what a robot touches and measures."""
+"""bumper: switches around the body."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ import numpy as np
 
 from player import DeviceAddr
 from player.codes import Interface
-from sensors.readings import Bits, Scalars
+from sensors.readings import Bits
 from sim.devices.device import Context, Refused, Values, flat_pose
-from sim.devices.seeing import SensorDevice
+from sim.devices.encoding import Encodings
+from sim.devices.sensor import SensorDevice
+from sim.robot import Robot
+from sim.stage.geometry import size_of
 
 COUNTS = struct.Struct(">II")
 
@@ -22,11 +25,10 @@ class Bumper(SensorDevice):
 
     addr = DeviceAddr(Interface.BUMPER, 0)
 
-    def __init__(
-        self, context: Context, robot: int, slot: int, size: tuple[float, float, float]
-    ) -> None:
-        super().__init__(context, robot, slot)
-        self.radius = 0.5 * max(size[:2])
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
+        super().__init__(context, encodings, robot, sensor)
+        length, width, _ = size_of(robot.model.body)
+        self.radius = 0.5 * max(length, width)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         readings = self.group.readings
@@ -50,18 +52,3 @@ class Bumper(SensorDevice):
             pose = flat_pose(self.radius * math.cos(middle), self.radius * math.sin(middle), middle)
             rows.append((*pose, self.radius * span, self.radius))
         return {"bumpers": rows}
-
-
-class AnalogInput(SensorDevice):
-    """Plain numbers on Player's aio interface."""
-
-    addr = DeviceAddr(Interface.AIO, 0)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        readings = self.group.readings
-        assert isinstance(readings, Scalars)
-        values = readings.values[self.row].astype(">f4")
-        return ((1, COUNTS.pack(len(values), len(values)) + values.tobytes()),)
-
-    def request(self, name: str, values: Values) -> Values | None:
-        raise Refused

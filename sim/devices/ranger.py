@@ -1,50 +1,19 @@
-"""ranger and sonar: ranges, from one origin or from many; and what all range finders share."""
+"""ranger: ranges, from one origin or from many."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Elements, Intensities, Scans
-from sensors.suite import Group
-from sim.devices.batch import Encoders
 from sim.devices.device import Context, Refused, Values, flat_pose
-
-SENSOR_SIZE = (0.02, 0.02, 0.02)
-"""Width, length, height in metres: what Stage says of an element; nothing depends on it."""
-
-
-class RangingDevice:
-    """A sensor slot of one robot, and its place in a batch."""
-
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
-        self.context = context
-        self.encoders = encoders
-        self.robot = robot
-        self.slot = slot
-        group, self.row = context.suite.place(robot, slot)
-        self.group: Group = group
-
-    @property
-    def sensor(self) -> int:
-        """The sensor's number among its robot's."""
-        return self.slot
-
-    @property
-    def mount(self) -> tuple[float, float, float]:
-        x, y, heading = self.group.settings.mount
-        return (float(x), float(y), float(heading))
-
-    def payload(self, name: str) -> bytes:
-        return self.encoders.get(self.group, name).payload(self.row, self.encoders.tick)
-
-    def command(self, name: str, values: Values) -> None:
-        """There are no commands."""
+from sim.devices.encoding import Encodings
+from sim.devices.sensor import SENSOR_SIZE, SensorDevice
+from sim.robot import Robot
 
 
-class Ranger(RangingDevice):
+class Ranger(SensorDevice):
     """A scan, or elements each with an origin of its own, on Player's ranger interface.
 
     Intensities follow the ranges if they have been turned on: a sensor's own, which are on from
@@ -53,8 +22,8 @@ class Ranger(RangingDevice):
 
     addr = DeviceAddr(Interface.RANGER, 0)
 
-    def __init__(self, context: Context, encoders: Encoders, robot: int, slot: int) -> None:
-        super().__init__(context, encoders, robot, slot)
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
+        super().__init__(context, encodings, robot, sensor)
         self.with_intensities = isinstance(self.group.readings, Intensities)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
@@ -102,27 +71,3 @@ class Ranger(RangingDevice):
             "range_resolution": 0.0,
             "frequency": 1.0 / self.context.interval,
         }
-
-
-class Sonar(RangingDevice):
-    """A ring of elements on Player's old sonar interface."""
-
-    addr = DeviceAddr(Interface.SONAR, 0)
-
-    def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, self.payload("sonar")),)
-
-    def request(self, name: str, values: Values) -> Values | None:
-        readings = self.group.readings
-        assert isinstance(readings, Elements)
-        if name == "geometry":
-            return {"poses": [self.element(*map(float, pose)) for pose in readings.poses]}
-        if name == "power":
-            return None
-        raise Refused
-
-    def element(self, x: float, y: float, heading: float) -> tuple[float, ...]:
-        """An element's pose in the robot's frame: sonars have no pose as a whole."""
-        mx, my, mh = self.mount
-        cos, sin = math.cos(mh), math.sin(mh)
-        return flat_pose(mx + cos * x - sin * y, my + sin * x + cos * y, mh + heading)

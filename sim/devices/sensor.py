@@ -1,0 +1,39 @@
+"""What the devices of sensors share: a sensor of one robot, and where its readings stand."""
+
+from __future__ import annotations
+
+from player import DeviceAddr
+from sensors.suite import Group
+from sim.devices.device import Context, Values
+from sim.devices.encoding import Encodings
+from sim.robot import Robot
+
+SENSOR_SIZE = (0.02, 0.02, 0.02)
+"""Width, length, height in metres: what Stage says of an element; nothing depends on it."""
+
+
+class SensorDevice:
+    """A sensor on one of Player's interfaces. `sensor` is its number among its robot's own."""
+
+    addr: DeviceAddr
+
+    def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
+        self.context = context
+        self.encodings = encodings
+        self.robot = robot
+        self.sensor = sensor
+        group, self.row = context.scenery.suite.place(robot.index, sensor)
+        self.group: Group = group
+
+    @property
+    def mount(self) -> tuple[float, float, float]:
+        """Where it is on the robot: metres and radians."""
+        x, y, heading = self.group.settings.mount
+        return (float(x), float(y), float(heading))
+
+    def payload(self, message: str) -> bytes:
+        """This tick's reading as one of the messages that are encoded in batches."""
+        return self.encodings.payload(self.group, message, self.row)
+
+    def command(self, name: str, values: Values) -> None:
+        """There are no commands."""

@@ -1,0 +1,58 @@
+"""A robot of a run: who it is, and all that is known of it one by one.
+
+Rules: every robot stands once in the run's list, at its index, from its entry to the end. What is
+computed for all robots at once (poses, velocities, readings, odometry) is in arrays by that index,
+and nowhere here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.result import RobotRecord
+
+if TYPE_CHECKING:
+    from sim.devices.switchboard import Port
+    from sim.fleet.driver import Driver
+    from sim.worldfile import schema
+
+
+@dataclass
+class Sprayer:
+    """One of a robot's sprayers: how it is mounted, and whether it is on."""
+
+    mount: schema.Sprayer
+    on: bool = False
+
+
+@dataclass
+class Drawing:
+    """A shape of graphics2d; points (k, 2) in metres in the robot's frame, colours 0xRRGGBB."""
+
+    kind: str
+    points: NDArray[np.float64]
+    color: int
+    fill_color: int | None = None
+
+
+@dataclass(eq=False)
+class Robot:
+    """One robot. `entity` is its body in the sensors' scene, `port` where its devices are."""
+
+    index: int
+    name: str
+    model_name: str
+    model: schema.Model
+    entity: int
+    record: RobotRecord
+    driver: Driver
+    port: Port
+    color: int  # 0xRRGGBB, of its body
+    fiducial: int  # the id that it carries, 0 for none
+    sprayers: list[Sprayer]
+    drawings: list[Drawing] = field(default_factory=list)
+    property_names: set[str] = field(default_factory=set)  # of all that it was told to be

@@ -1,0 +1,455 @@
+"""The open run: a world that is stepped, asked and acted on from Python.
+
+    with troupe.Simulation("wander", seed=3, controllers=False) as sim:
+        while sim.time < 10.0:
+            scan = sim.readings("laser")
+            ahead = scan.ranges[:, 60:120].min(axis=1)
+            sim.command(scan.robots, forward=0.4, turn=np.where(ahead < 1.5, 0.8, 0.0))
+            sim.step()
+
+Rules: a run by steps is the run of `troupe run`, tick by tick, and has its digest. Arrays that are
+given out are copies. What is done between two steps (a command, a pose that is set, something
+said) has its effect in the next one.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sim.engine import Engine, Settings, label
+from sim.fleet.fleet import Fleet
+from sim.fleet.functions import Controllers, FunctionError
+from sim.fleet.idle import NoFleet
+from sim.fleet.launching import kind_of
+from troupe.readings import Place, Readings, find_sensor, readings_of
+from troupe.usage import UsageError
+from troupe.world import World, loaded_world
+
+if TYPE_CHECKING:
+    from sim.result import Outcome, Result
+    from sim.video.view import FrameView
+    from sim.worldfile import LoadedWorld
+
+Floats = NDArray[np.float64]
+Robots = int | str | Iterable[int | str] | None
+
+
+class RunError(RuntimeError):
+    """A run that could not go on; `result` is what came out of it until then."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        super().__init__(message)
+        self.result = result
+
+
+@dataclass
+class Sensors:
+    """The sensors that have been asked for by name, while the robots are these."""
+
+    robots: int = 0
+    places: dict[str, Place] = field(default_factory=dict)
+
+
+class Simulation:
+    """One run of a world, tick by tick.
+
+    Args:
+        world: a world file, the name of one that comes with Troupe, a mapping, or a World.
+        seed: all that is random follows from it; the world's unless given.
+        controllers: True starts the world's controllers as processes, which then run in lockstep
+            with `step`; False leaves all robots to Python; a mapping from names of controllers to
+            functions has their robots driven by `function(robot)`, called once a tick in this
+            process. In a mapping True starts a controller's processes, and robots of controllers
+            that are not in it are left to Python.
+        duration: simulated seconds at most; the world's unless given.
+        set: changes to the world, such as `{"clock.interval": 0.05}`.
+        listen: (host, port), where Player clients can connect.
+        patience: wall-clock seconds that a process may keep the others waiting.
+        say: called with every line meant for people: what controllers print, what goes wrong.
+
+    Raises:
+        sim.worldfile.WorldError: the world has mistakes; all of them are in it.
+        ValueError: an argument cannot be.
+    """
+
+    def __init__(
+        self,
+        world: str | Path | Mapping[str, Any] | World,
+        *,
+        seed: int | None = None,
+        controllers: Controllers = True,
+        duration: float | None = None,
+        set: Mapping[str, Any] | None = None,
+        listen: tuple[str, int] | None = None,
+        patience: float = 60.0,
+        say: Callable[[str], None] = lambda line: None,
+    ) -> None:
+        self._loaded = loaded_world(world, set or {})
+        self._controllers = checked_controllers(controllers, self._loaded)
+        self._settings = Settings(
+            seed=checked_seed(self._loaded.world.seed if seed is None else seed),
+            duration=self._loaded.world.duration if duration is None else duration,
+            listen=listen,
+            patience=patience,
+        )
+        self._say = say
+        self._own = True
+        self._begin()
+
+    @classmethod
+    def watching(cls, engine: Engine) -> Self:
+        """A simulation for hooks of a run that goes on by itself: it is asked, and not stepped."""
+        made = cls.__new__(cls)
+        made._loaded, made._settings, made._engine = engine.loaded, engine.settings, engine
+        made._controllers, made._say = engine.controllers, engine.say
+        made._sensors, made._wall_time = Sensors(), None
+        made._end = weakref.finalize(made, nothing)
+        made._own = False
+        return made
+
+    # -- life ---------------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        """A new engine at tick 0, with the robots that are there from the start."""
+        fleet: Any = Fleet(show=self._say) if self._has_processes() else NoFleet()
+        try:
+            self._engine = Engine(
+                self._loaded, self._settings, fleet, self._say, controllers=self._controllers
+            )
+        except BaseException:
+            fleet.close()
+            raise
+        self._end = weakref.finalize(self, self._engine.crew.dismiss)
+        self._sensors = Sensors()
+        self._wall_time: float | None = None
+        try:
+            self._engine.begin()
+        except BaseException:
+            self._end()
+            raise
+
+    def _has_processes(self) -> bool:
+        """Whether any robot of the world, or of its doors, gets a process."""
+        told = self._controllers
+        named = [robot.controller for robot in self._loaded.robots]
+        named += [door.controller for door in self._loaded.layout.doors]
+        known = self._loaded.world.controllers
+        return any(
+            kind_of(name, known) in ("program", "command")
+            and (told if isinstance(told, bool) else told.get(name or "") is True)
+            for name in {*named}
+        )
+
+    def reset(self, seed: int | None = None) -> None:
+        """Start again in this same object, as a new run would, with another seed or the same."""
+        if not self._own:
+            raise RuntimeError("this run goes on by itself: a hook cannot reset it")
+        if seed is not None:
+            self._settings = replace(self._settings, seed=checked_seed(seed))
+        self._end()
+        self._begin()
+
+    def close(self) -> None:
+        """End the run and its processes. What was recorded can still be asked for."""
+        if self._end.alive:
+            self._wall_time = perf_counter() - self._engine.began
+            self._end()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = self.outcome or ("going on" if self._end.alive else "closed")
+        return f"<Simulation of {self.world}, seed {self.seed}: {self.time:g} s, {state}>"
+
+    def step(self, n: int = 1) -> None:
+        """Let `n` intervals of the clock go by, each when all processes have asked for data.
+
+        It ends early where the run does. Raises RuntimeError for a step after the end, and
+        RunError for a controller function that raises: the run is closed in order, and the error
+        has its result.
+        """
+        if not self._own:
+            raise RuntimeError("this run goes on by itself: a hook cannot step it")
+        if n < 1:
+            raise ValueError(f"step(n): n must be at least 1 (given: {n})")
+        if not self._end.alive:
+            raise RuntimeError("this simulation has been closed; reset() starts it anew")
+        if self.over:
+            raise RuntimeError(
+                f"the run is over at {self.time:g} s ({self.outcome}); reset() starts it anew"
+            )
+        for _ in range(n):
+            try:
+                if not self._engine.advance():
+                    return
+            except FunctionError as error:
+                self.close()
+                raise RunError(str(error), self.result()) from error.__cause__
+
+    # -- what there is ------------------------------------------------------------------------
+
+    @property
+    def world(self) -> str:
+        """The world's file, as results name it."""
+        return label(self._loaded.path)
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds."""
+        return self._engine.time
+
+    @property
+    def ticks(self) -> int:
+        """Intervals of the clock that have gone by."""
+        return self._engine.ticks
+
+    @property
+    def interval(self) -> float:
+        """Seconds of one step."""
+        return self._engine.interval
+
+    @property
+    def seed(self) -> int:
+        """The run's seed."""
+        return self._settings.seed
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the run has ended, as in `Result.outcome`; None while it goes on."""
+        return self._engine.ended or self._engine.outcome()
+
+    @property
+    def over(self) -> bool:
+        """Whether there are no further steps."""
+        return self.outcome is not None
+
+    @property
+    def names(self) -> list[str]:
+        """The robots' names, in the order of their indices."""
+        return [robot.name for robot in self._engine.robots]
+
+    @property
+    def poses(self) -> Floats:
+        """(n, 3) x, y in metres and yaw in radians, in the world: the truth."""
+        return self._engine.scenery.stage.poses.copy()
+
+    @property
+    def velocities(self) -> Floats:
+        """(n, 3) vx, vy in m/s and wz in rad/s, in each robot's frame, as the bodies move."""
+        return self._engine.scenery.stage.velocities.copy()
+
+    @property
+    def odometry(self) -> Floats:
+        """(n, 3) x, y, yaw as each robot's position2d reports it."""
+        return self._engine.scenery.odometry.poses.copy()
+
+    @property
+    def stalls(self) -> NDArray[np.bool_]:
+        """(n,) whether each was kept from what it wanted to do in the last tick."""
+        return self._engine.scenery.stage.stalls.copy()
+
+    @property
+    def contacts(self) -> NDArray[np.int64]:
+        """(n,) how often each has begun to touch another body or a wall."""
+        return self._engine.scenery.stage.contact_counts.copy()
+
+    def readings(self, sensor: str) -> Readings:
+        """What a sensor (`laser`, `laser:1`) of every robot that has it reads now.
+
+        Raises ValueError where no robot has it, or where the robots' sensors differ so much that
+        their readings are no one array.
+        """
+        engine, known = self._engine, self._sensors
+        suite = engine.scenery.suite
+        if known.robots != len(suite.first_slot):  # robots have come in through a door
+            known.robots = len(suite.first_slot)
+            known.places.clear()
+        place = known.places.get(sensor)
+        if place is None:
+            place = known.places[sensor] = find_sensor(suite, sensor)
+            engine.sensing.want(place.slots)
+        return readings_of(place, sensor, self.time)
+
+    # -- what is done -------------------------------------------------------------------------
+
+    def indices(self, robots: Robots | ArrayLike = None) -> NDArray[np.int64]:
+        """Robots, given by index or name, as indices (k,); None: all of them.
+
+        Raises ValueError for a robot that is not there.
+        """
+        names = self.names
+        if robots is None:
+            return np.arange(len(names))
+        known = self._engine.context.by_name
+        found = []
+        for robot in np.atleast_1d(np.asarray(robots, dtype=object)).reshape(-1).tolist():
+            if isinstance(robot, str):
+                if robot not in known:
+                    raise ValueError(f"there is no robot {robot!r}; there are {listed(names)}")
+                found.append(known[robot].index)
+            elif isinstance(robot, int) and 0 <= robot < len(names):
+                found.append(robot)
+            else:
+                raise ValueError(f"there is no robot {robot!r}: they are 0 to {len(names) - 1}")
+        return np.array(found, np.int64)
+
+    def command(
+        self,
+        robots: Robots | ArrayLike = None,
+        *,
+        forward: ArrayLike = 0.0,
+        side: ArrayLike = 0.0,
+        turn: ArrayLike = 0.0,
+    ) -> None:
+        """Set the velocities that robots shall keep until told otherwise, from the next step on.
+
+        Args:
+            robots: indices or names (k,), or one; all of them unless given.
+            forward, side: m/s ahead and to the left; a number for all, or (k,).
+            turn: rad/s, counter-clockwise; a number for all, or (k,).
+
+        Raises ValueError for a robot that is not there or that a controller drives, for shapes
+        that do not fit, and for what is no finite number.
+        """
+        which = self.indices(robots)
+        self._refuse_driven(which, "command")
+        twists = np.empty((len(which), 3))
+        for column, (name, values) in enumerate(
+            (("forward", forward), ("side", side), ("turn", turn))
+        ):
+            given = np.asarray(values, np.float64)
+            if given.shape not in ((), (len(which),)):
+                raise ValueError(
+                    f"command: {name} has the shape {given.shape}; it must be a number, or one "
+                    f"for each of the {len(which)} robots"
+                )
+            twists[:, column] = given
+        if not np.isfinite(twists).all():
+            raise ValueError("command: velocities must be finite numbers")
+        self._engine.scenery.stage.command(which, twists)
+
+    def _refuse_driven(self, robots: NDArray[np.int64], what: str) -> None:
+        """A robot with a controller of its own obeys that one alone."""
+        for index in robots.tolist():
+            robot = self._engine.robots[index]
+            if robot.driver.kind != "none" and robot.driver.running:
+                raise ValueError(
+                    f"{what}: {robot.name} is driven by its controller; give controllers=False, or "
+                    "a mapping without it, to drive it from here"
+                )
+            if robot.model.drive is None:
+                raise ValueError(f"{what}: {robot.name} has no drive")
+
+    def set_pose(self, robot: int | str, pose: ArrayLike) -> None:
+        """Put a robot, at rest, to a pose (x, y, yaw) in metres and radians, at once.
+
+        Raises ValueError where it would lie outside or overlap something.
+        """
+        (index,) = self.indices(robot).tolist()
+        at = np.asarray(pose, np.float64)
+        if at.shape != (3,) or not np.isfinite(at).all():
+            raise ValueError(f"set_pose: a pose is three finite numbers x, y, yaw, not {pose!r}")
+        goal = (float(at[0]), float(at[1]), float(at[2]))
+        if self._engine.scenery.put({index: goal}):
+            raise ValueError(f"set_pose: there is no room for {self.names[index]} at {goal}")
+        self._engine.sensing.look_again()
+
+    def spray(self, robot: int | str, on: bool = True, sprayer: int = 0) -> None:
+        """Switch one of a robot's sprayers on or off, from the next step on.
+
+        Raises ValueError where the robot has no such sprayer.
+        """
+        (index,) = self.indices(robot).tolist()
+        sprayers = self._engine.robots[index].sprayers
+        if not 0 <= sprayer < len(sprayers):
+            raise ValueError(f"spray: {self.names[index]} has no sprayer {sprayer}")
+        sprayers[sprayer].on = bool(on)
+
+    def say(self, robot: int | str, text: str) -> None:
+        """Have a robot say something: it stands in the result, and in pictures for a while."""
+        (index,) = self.indices(robot).tolist()
+        self._engine.robots[index].record.said.append((self.time, str(text)))
+
+    # -- what comes out of it -----------------------------------------------------------------
+
+    def view(self) -> FrameView:
+        """What this moment shows, as plain arrays that are read at once."""
+        from sim.filming import Film  # noqa: PLC0415
+
+        return Film().view(self._engine)
+
+    def picture(self, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
+        """This moment as an image (height, width, 3), red, green, blue; `size`: width, height.
+
+        Raises sim.video.errors.VideoError for a size that cannot be.
+        """
+        from sim.filming import Film, backdrop_of, shape_of  # noqa: PLC0415
+        from sim.video.picture import Picture  # noqa: PLC0415 - loads OpenCV
+
+        picture = Picture(backdrop_of(self._loaded), size)
+        for robot in self._engine.robots:
+            picture.add_robot(robot.name, shape_of(robot.model.body))
+        return np.ascontiguousarray(picture.draw(Film().view(self._engine))[:, :, ::-1])
+
+    def _repr_png_(self) -> bytes:
+        """The present moment, where a notebook shows the simulation."""
+        import cv2  # noqa: PLC0415
+
+        return bytes(cv2.imencode(".png", self.picture()[:, :, ::-1])[1])
+
+    def result(self) -> Result:
+        """The run in numbers, as far as it has come; before its end it is `interrupted`."""
+        wall_time = self._wall_time
+        if wall_time is None:
+            wall_time = perf_counter() - self._engine.began
+        return self._engine.result(self.outcome or "interrupted", wall_time)
+
+
+def nothing(grace: float = 0.0) -> None:
+    """There is nothing to end."""
+
+
+def listed(names: list[str], most: int = 8) -> str:
+    """Names in a row for a message, cut off after `most`."""
+    shown = ", ".join(names[:most])
+    return f"{shown}, ... ({len(names)} in all)" if len(names) > most else shown or "none"
+
+
+def checked_seed(seed: int) -> int:
+    """A seed that can be; raises UsageError."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 1 << 63:
+        raise UsageError(f"seed: must be a whole number from 0 to {(1 << 63) - 1} (given: {seed})")
+    return int(seed)
+
+
+def checked_controllers(controllers: Controllers, loaded: LoadedWorld) -> Controllers:
+    """Controllers that the world's robots have; raises UsageError for others."""
+    if isinstance(controllers, bool):
+        return controllers
+    known = {robot.controller for robot in loaded.robots} | {
+        door.controller for door in loaded.layout.doors
+    }
+    for name, what in controllers.items():
+        if name not in known:
+            there = listed(sorted(one for one in known if one is not None))
+            raise UsageError(
+                f"controllers: no robot has the controller {name!r}; there are {there}"
+            )
+        if not callable(what) and not isinstance(what, bool):
+            raise UsageError(
+                f"controllers: {name!r} must be a function of a robot, or True for the world's own "
+                f"program (given: {what!r})"
+            )
+    return dict(controllers)
