@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import os
 import platform
@@ -156,6 +157,28 @@ def crowd(folder: Path, repeats: int) -> str:
     return f"{median_speed(repeats, str(path)):.2f} x real time"
 
 
+def placements(folder: Path, number: int) -> str:
+    """How much of two cores a sweep makes use of: the runs' own wall-clock times over two.
+
+    Paint with four robots, from as many random placements to their goals, without painting.
+    """
+    out = folder / "placements"
+    began = perf_counter()
+    subprocess.run(
+        [sys.executable, "-m", "troupe", "sweep", "worlds/paint_case_1.yaml", "--jobs", "2",
+         "--set", "controllers.paint.args.paint=false", "--duration", "1800", "--quiet",
+         "--seeds", f"1000:{1000 + number}", "--out", str(out)],
+        cwd=ROOT,
+        env={name: text for name, text in os.environ.items() if name != NO_BYTECODE},
+        stdout=subprocess.DEVNULL,
+        check=True,
+    )  # fmt: skip
+    passed = perf_counter() - began
+    with (out / "timings.csv").open(newline="") as file:
+        own = sum(float(row["wall_time"]) for row in csv.DictReader(file))
+    return f"{own / 2 / passed:.0%} ({number / passed:.2f} runs per second)"
+
+
 def machine() -> str:
     """What this was measured on."""
     model = platform.processor() or platform.machine()
@@ -176,6 +199,7 @@ def main() -> None:
     options.add_argument("--quick", action="store_true", help="one run of each")
     args = options.parse_args()
     repeats = 1 if args.quick else 5
+    sweep = 20 if args.quick else 1000
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         sense_and_move, ray = crowd_without_controllers(folder, repeats)
@@ -191,6 +215,8 @@ def main() -> None:
              "", rounds(folder, "reader", repeats)),
             ("the same over TCP", "300 in well under a second",
              rounds(folder, "outsider", repeats)),
+            (f"{sweep} random placements of Paint in a sweep with two jobs: the runs' own times "
+             "over two, as a share of the sweep's", "90 %", placements(folder, sweep)),
             ("`troupe run` to its first tick, caches warm", "under 1.5 s", first_tick(repeats)),
         ]  # fmt: skip
     table = "\n".join(

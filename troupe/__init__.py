@@ -20,11 +20,21 @@ if TYPE_CHECKING:
     from sim.result import Result
     from sim.worldfile import WorldError
     from troupe.simulation import RunError, Simulation
+    from troupe.sweep.collect import read_sweep
     from troupe.world import World
     from troupe.world import load_world as load
 
 __version__ = "0.1.0"
-__all__ = ["RunError", "Simulation", "World", "WorldError", "__version__", "load", "run"]
+__all__ = [
+    "RunError",
+    "Simulation",
+    "World",
+    "WorldError",
+    "__version__",
+    "load",
+    "read_sweep",
+    "run",
+]
 
 claim_names()
 
@@ -34,6 +44,7 @@ _HOMES = {
     "World": ("troupe.world", "World"),
     "WorldError": ("sim.worldfile.mistakes", "WorldError"),
     "load": ("troupe.world", "load_world"),
+    "read_sweep": ("troupe.sweep.collect", "read_sweep"),
 }
 
 

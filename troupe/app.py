@@ -12,9 +12,11 @@ from troupe.commands.devices import devices
 from troupe.commands.disperse import disperse
 from troupe.commands.import_ import import_
 from troupe.commands.print_ import print_
+from troupe.commands.report import report
 from troupe.commands.run import run
 from troupe.commands.schema import schema
 from troupe.commands.sensors import sensors
+from troupe.commands.sweep import sweep
 from troupe.commands.warm import warm
 from troupe.commands.worlds import worlds
 
@@ -42,6 +44,8 @@ def options(
 
 
 app.command("run")(run)
+app.command("sweep")(sweep)
+app.command("report")(report)
 app.command("worlds")(worlds)
 app.command("check")(check)
 app.command("schema")(schema)

@@ -44,10 +44,12 @@ class Fleet:
     """The fork server and its children.
 
     `watch(fileobj, callback)` and `unwatch(fileobj)` hook the fleet's pipes into the loop that the
-    simulator waits in; `show(line)` is given every line that a controller prints.
+    simulator waits in; `show(line)` is given every line that a controller prints. The fork server
+    is started at once, so that it gets ready while the simulator does, unless it `waits` for the
+    first controller: a world without any then has no process made for it.
     """
 
-    def __init__(self, show: Callable[[str], None] | None = None) -> None:
+    def __init__(self, show: Callable[[str], None] | None = None, *, waits: bool = False) -> None:
         raise_descriptor_limit()
         hold_standard_descriptors()
         self.show = show
@@ -59,8 +61,13 @@ class Fleet:
         self.pending = b""
         self.watch: Watch | None = None
         self.unwatch: Unwatch | None = None
-        ours, theirs = socket.socketpair()
-        self.control = ours
+        self.control, self.theirs = socket.socketpair()
+        self.process: subprocess.Popen[bytes] | None = None
+        if not waits:
+            self.begin()
+
+    def begin(self) -> None:
+        """Start the fork server."""
         environment = dict(
             os.environ,
             PYTHONHASHSEED="0",
@@ -71,13 +78,13 @@ class Fleet:
         script = Path(__file__).with_name("forkserver.py")
         # -P: the folder of the script must not become a place to import from
         self.process = subprocess.Popen(
-            [sys.executable, "-P", str(script), str(theirs.fileno()), str(ROOT)],
-            pass_fds=[theirs.fileno()],
+            [sys.executable, "-P", str(script), str(self.theirs.fileno()), str(ROOT)],
+            pass_fds=[self.theirs.fileno()],
             stdin=subprocess.DEVNULL,
             env=environment,
             start_new_session=True,  # a Ctrl-C at the terminal is for the simulator alone
         )
-        theirs.close()
+        self.theirs.close()
 
     def attach(self, watch: Watch, unwatch: Unwatch) -> None:
         """From now on the fleet's news arrive through the simulator's loop."""
@@ -97,6 +104,8 @@ class Fleet:
 
         Where the fork server has died, the controller counts as killed at once.
         """
+        if self.process is None:
+            self.begin()
         read_end, write_end = os.pipe()
         output = Output(read_end, name, self.show)
         self.outputs[key] = output
@@ -218,6 +227,9 @@ class Fleet:
                     self.unwatch(output.descriptor)
                 output.drain()
                 output.finish()
+        if self.process is None:
+            self.theirs.close()
+            return
         try:
             self.process.wait(timeout=2)
         except subprocess.TimeoutExpired:

@@ -21,10 +21,14 @@ PAGES = [
     "docs/running.md",
     "docs/controllers.md",
     "docs/debugging.md",
+    "docs/sweeps.md",
     "docs/paint.md",
     "docs/architecture.md",
     "docs/performance.md",
 ]
+PROGRAMS = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
+"""Where the command `troupe` is, as in an environment that is in use."""
+
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 STAGE = """\
@@ -57,7 +61,8 @@ def test_a_python_block_is_a_controller_that_works(text: str, tmp_path: Path) ->
     if "import troupe" in text:
         done = subprocess.run(
             [sys.executable, "-c", text],
-            cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False,
+            cwd=tmp_path, env=environment(PATH=PROGRAMS), capture_output=True, text=True,
+            check=False,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         assert "completed" in done.stdout
@@ -88,7 +93,10 @@ def test_a_shell_block_works(text: str) -> None:
             words += ["--collect-only", "tests/docs"]  # the tests are running already
         if words[0] == "scripts/bench":
             continue  # minutes: its parts have tests of their own
-        done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            words, cwd=ROOT, env={**os.environ, "PATH": PROGRAMS}, capture_output=True, text=True,
+            check=False,
+        )  # fmt: skip
         assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
     for made in set(ROOT.iterdir()) - before:
         if made.suffix in (".mp4", ".svg"):

@@ -1,0 +1,142 @@
+"""Kill parts of a sweep at random moments, again and again, and see that nothing comes of it.
+
+    python scripts/sweep_kills.py [--kills N] [--runs N] [--seed N]
+
+The same sweep is made twice: once undisturbed, and once with SIGKILL sent to the sweep itself, a
+worker, a fork server or a controller, whichever chance has it, and started again where it was the
+sweep. In the end both tables must be the same to the bit, and no process may be left.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+
+ROOT = Path(__file__).resolve().parent.parent
+MARK = "TROUPE_SWEEP_KILLS"
+
+WORLD = """\
+size: [8, 8]
+duration: 2
+until: duration
+models:
+  rover: {body: {shape: circle, radius: 0.3}, sensors: [{type: laser, samples: 36}]}
+robots: [{model: rover, count: 2, placement: random, controller: wander}]
+"""
+
+
+@dataclass
+class Trial:
+    """A sweep into a folder, and what has been killed of it."""
+
+    world: Path
+    out: Path
+    runs: int
+    mark: str
+
+    def command(self) -> list[str]:
+        return [
+            sys.executable, "-m", "troupe", "sweep", str(self.world), "--out", str(self.out),
+            "--seeds", f"0:{self.runs // 2}", "--set", "models.rover.drive.max_speed=0.2,0.5",
+            "--jobs", "2", "--quiet",
+        ]  # fmt: skip
+
+    def start(self) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), MARK: self.mark}
+        return subprocess.Popen(
+            self.command(), env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        )
+
+    def table(self) -> bytes:
+        return (self.out / "results.csv").read_bytes()
+
+    def done(self) -> int:
+        return len(list((self.out / "runs").glob("*/result.json")))
+
+
+def processes(mark: str) -> list[psutil.Process]:
+    """The living processes of a trial."""
+    found = []
+    for process in psutil.process_iter():
+        with contextlib.suppress(psutil.Error):
+            alive = process.status() != psutil.STATUS_ZOMBIE
+            if alive and process.environ().get(MARK) == mark:
+                found.append(process)
+    return found
+
+
+def kill_one(sweep: subprocess.Popen[bytes], mark: str, chance: random.Random) -> str:
+    """Kill the sweep, or something that it has started; what it was."""
+    others = [one for one in processes(mark) if one.pid != sweep.pid]
+    chosen = psutil.Process(sweep.pid) if chance.random() < 0.4 or not others else None
+    victim = chosen or chance.choice(others)
+    with contextlib.suppress(psutil.Error):
+        name = "sweep" if chosen else next((w for w in victim.cmdline() if w.endswith(".py")), "?")
+        victim.kill()
+        return Path(name).name
+    return "nothing"
+
+
+def disturbed(trial: Trial, kills: int, seed: int) -> list[str]:
+    """Make the sweep with so many kills, as long as it lasts; what was killed."""
+    chance = random.Random(seed)
+    killed: list[str] = []
+    while True:
+        there = trial.done()
+        sweep = trial.start()
+        at_work = chance.random() < 0.8  # else it may be killed while it gets ready, too
+        while at_work and sweep.poll() is None and trial.done() == there:
+            time.sleep(0.02)
+        while sweep.poll() is None and len(killed) < kills:
+            time.sleep(chance.uniform(0.0, 3.0))
+            if sweep.poll() is None:
+                killed.append(kill_one(sweep, trial.mark, chance))
+                print(f"{len(killed)}: {killed[-1]} ({trial.done()} runs there)", flush=True)
+                if killed[-1] == "sweep":
+                    break
+        sweep.wait()
+        if sweep.returncode == 0:
+            return killed
+        if sweep.returncode > 0:
+            assert sweep.stderr is not None
+            raise SystemExit(f"the sweep failed: {sweep.stderr.read().decode()}")
+
+
+def compare(folder: Path, kills: int, runs: int, seed: int) -> list[str]:
+    """Make both sweeps; what was killed. Raises AssertionError where a table differs."""
+    world = folder / "world.yaml"
+    world.write_text(WORLD)
+    mark = f"{os.getpid()}-{seed}"
+    quiet = Trial(world, folder / "quiet", runs, mark)
+    assert quiet.start().wait() == 0, "the undisturbed sweep has failed"
+    rough = Trial(world, folder / "rough", runs, mark)
+    killed = disturbed(rough, kills, seed)
+    assert rough.table() == quiet.table(), "the tables differ"
+    assert rough.done() == runs, "a run is missing, or there is one too many"
+    return killed
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    options.add_argument("--kills", type=int, default=100)
+    options.add_argument("--runs", type=int, default=400)
+    options.add_argument("--seed", type=int, default=1)
+    given = options.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        killed = compare(Path(name), given.kills, given.runs, given.seed)
+    kinds = sorted((killed.count(kind), kind) for kind in set(killed))
+    print(f"{len(killed)} kills: {kinds}; the tables are the same to the bit")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""Small sweeps for the tests: worlds, and the command line."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+from tests.patience import PATIENCE
+from tests.processes import environment, troupe_command
+from troupe.sweep.asked import asked_plan
+from troupe.sweep.plan import Plan
+
+QUIET = """\
+size: [6, 6]
+duration: 0.5
+until: duration
+models: {rover: {body: {shape: circle, radius: 0.2}}}
+robots: [{model: rover, count: 3, placement: random}]
+"""
+
+DRIVEN = """\
+size: [8, 8]
+duration: 2
+models:
+  rover: {body: {shape: circle, radius: 0.3}, sensors: [{type: laser, samples: 36}]}
+robots: [{name: one, model: rover, placement: random, controller: mine}]
+controllers: {mine: {program: ./mine.py}}
+"""
+
+
+def quiet_world(folder: Path) -> Path:
+    """A world of robots that stand still: a run takes milliseconds."""
+    (folder / "quiet.yaml").write_text(QUIET)
+    return folder / "quiet.yaml"
+
+
+def driven_world(folder: Path, program: str) -> Path:
+    """A world of one robot with a program."""
+    (folder / "mine.py").write_text(program)
+    (folder / "driven.yaml").write_text(DRIVEN)
+    return folder / "driven.yaml"
+
+
+def plan_of(world: Path, seeds: str, *settings: str, each: tuple[str, ...] = ()) -> Plan:
+    return asked_plan(
+        [str(world)], seeds=seeds, settings=settings, table=None, duration=None, each=each, about={}
+    )
+
+
+def troupe(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        troupe_command(*map(str, words)), env=environment(), capture_output=True, text=True,
+        timeout=PATIENCE, check=False, cwd=cwd,
+    )  # fmt: skip

@@ -1,0 +1,273 @@
+"""`troupe sweep`: run worlds with many settings and seeds into a folder; `collect` its tables."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sim.interrupts import Interrupts
+from sim.printable import printable_lines
+from troupe.interrupts import EXIT_CODE, leave
+from troupe.usage import UsageError, told
+
+if TYPE_CHECKING:
+    from troupe.sweep.plan import Plan
+    from troupe.sweep.session import How, Session
+
+
+def sweep(
+    context: typer.Context,
+    worlds: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="WORLD...|SWEEP.yaml|collect DIR...",
+            help="World files, names of Troupe's, or a file that describes a sweep.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="The sweep's folder.", show_default="required"),
+    ] = None,
+    seeds: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FIRST:END", help="0:100 is 0 to 99; also 1,2,5.", show_default="the world's"
+        ),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=V1,V2",
+            help="Values of a setting; several settings are multiplied. May be repeated.",
+            show_default="no change",
+        ),
+    ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv", help="Rows of settings instead; columns `world` and `seed` too."
+        ),
+    ] = None,
+    duration: Annotated[
+        float | None,
+        typer.Option(
+            "--duration",
+            "--sim-timeout",
+            help="Simulated seconds of a run at most.",
+            show_default="the world's",
+        ),
+    ] = None,
+    timeout: Annotated[
+        float | None,
+        typer.Option(help="Wall-clock seconds of a run at most.", show_default="none"),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Runs at a time.", show_default="as many as cores")
+    ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(metavar="I/N", help="Part I of N: every N-th run.", show_default="all runs"),
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Run on the workers of a dask scheduler."),
+    ] = None,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Run again what failed, crashed or timed out.")
+    ] = False,
+    each: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="MODULE:FUNCTION", help="A function of a result that adds columns. Repeatable."
+        ),
+    ] = None,
+    video_of: Annotated[
+        str | None,
+        typer.Option(metavar="failed|first|N", help="Make videos of these runs, in DIR/videos."),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+) -> None:
+    """Run every combination of worlds, settings and seeds that the folder lacks.
+
+    Stopped at any moment, the same command goes on. `troupe sweep collect DIR... [--out DIR]`
+    makes the tables of one or several folders. Exit code 0: all runs are there (failures are rows
+    of the table); 1: some are missing; 2: bad usage or a mistake in any combination; 130:
+    interrupted.
+    """
+    from troupe.sweep.pool import Broken  # noqa: PLC0415 - `troupe --help` stays quick
+    from troupe.sweep.seeds import Unusable  # noqa: PLC0415
+    from troupe.sweep.session import Changed  # noqa: PLC0415
+
+    code = 2
+    try:
+        if worlds[0] == "collect":
+            refuse_all_but(context, {"worlds", "out", "each"})
+            code = collect(worlds[1:], out, each or [])
+        else:
+            if out is None:
+                raise UsageError("--out: name the sweep's folder, as --out results")
+            how = checked(jobs, shard, timeout, retry_failed, dask, quiet)
+            code = run_sweep(worlds, out, seeds, set_, table, duration, each, video_of, how)
+    except (UsageError, Unusable) as error:
+        tell(str(error))
+    except Changed as error:
+        tell(f"{error} since the sweep began; run it again")
+        code = 1
+    except Broken as error:
+        tell(f"no worker's process can be started; the last one said:\n{error}")
+        code = 1
+    except OSError as error:
+        tell(told(error))
+        code = 1
+    raise typer.Exit(code)
+
+
+def tell(text: str) -> None:
+    if text:
+        print(printable_lines(text), file=sys.stderr)
+
+
+def checked(
+    jobs: int | None,
+    shard: str | None,
+    timeout: float | None,
+    retry_failed: bool,
+    dask: str | None,
+    quiet: bool,
+) -> How:
+    """The options on how to run; raises UsageError."""
+    from troupe.sweep.session import How  # noqa: PLC0415
+
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"--jobs {jobs}: must be 1 or more")
+    if timeout is not None and not 0 < timeout < 1e9:
+        raise UsageError(f"--timeout {timeout:g}: must be above 0")
+    part = (1, 1)
+    if shard is not None:
+        first, _, number = shard.partition("/")
+        if not (first.isdecimal() and number.isdecimal() and 1 <= int(first) <= int(number)):
+            raise UsageError(f"--shard {shard}: must be I/N, from 1/N to N/N")
+        part = (int(first), int(number))
+    return How(jobs or cores(), part, timeout, retry_failed, dask, quiet)
+
+
+def cores() -> int:
+    """The processor cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def run_sweep(
+    worlds: list[str],
+    out: Path,
+    seeds: str | None,
+    settings: list[str] | None,
+    table: Path | None,
+    duration: float | None,
+    each: list[str] | None,
+    video_of: str | None,
+    how: How,
+) -> int:
+    """Plan, run, collect, make videos; the exit code."""
+    from troupe.sweep.asked import asked_plan  # noqa: PLC0415
+    from troupe.sweep.session import sweep as carry_out  # noqa: PLC0415
+    from troupe.sweep.versions import versions  # noqa: PLC0415
+    from troupe.sweep.videos import chosen, make_videos, number_of  # noqa: PLC0415
+    from troupe.warm import tell as say  # noqa: PLC0415
+    from troupe.warm import warm_once  # noqa: PLC0415
+
+    if duration is not None and not 0 < duration < 1e15:
+        raise UsageError(f"--duration {duration:g}: must be above 0")
+    if video_of is not None:
+        number_of(video_of)
+    warm_once(say)
+    plan = asked_plan(
+        worlds,
+        seeds=seeds,
+        settings=settings or [],
+        table=table,
+        duration=duration,
+        each=each or [],
+        about={
+            "command": shlex.join(["troupe", *sys.argv[1:]]),
+            "folder": str(Path.cwd()),
+            "versions": versions(),
+        },
+    )
+    interrupts = Interrupts(again=leave)
+    interrupts.hold()
+    stopped = lambda: interrupts.noted  # noqa: E731 - asked for by several
+    try:
+        session = carry_out(plan, out, how, stopped)
+        if not interrupts.noted and how.shard == (1, 1):
+            finish(out)
+        if video_of is not None and not interrupts.noted:
+            made, failed = make_videos(
+                chosen(plan, out, video_of), out, how.jobs, how.timeout, stopped
+            )
+            print(f"{len(made)} videos are in {out / 'videos'}")
+            tell("\n".join(failed))
+    finally:
+        interrupts.release()
+    print(summary(session, plan, out))
+    if interrupts.noted:
+        tell("interrupted; the same command goes on where this one ended")
+        return EXIT_CODE
+    return 0 if session.missing == 0 else 1
+
+
+def finish(out: Path) -> None:
+    """Make the tables of a sweep's folder."""
+    from troupe.sweep.collect import gather, write_tables  # noqa: PLC0415
+
+    write_tables(gather([out]), out)
+
+
+def summary(session: Session, plan: Plan, out: Path) -> str:
+    """What the command prints in the end."""
+    number = session.ran.total()
+    there = session.known + session.ran
+    failed = sum(count for outcome, count in there.items() if outcome != "completed")
+    lines = [
+        f"{session.asked} runs of {len(plan.points)} combinations: {number} run now, "
+        f"{session.known.total()} were there, {session.missing} are missing"
+    ]
+    if failed:
+        kinds = sorted((o, n) for o, n in there.items() if o != "completed")
+        lines.append("not completed: " + ", ".join(f"{n} {o}" for o, n in kinds))
+    if session.missing == 0:
+        lines.append(f"next: troupe report {shlex.quote(str(out))} -o report.html")
+    return "\n".join(lines)
+
+
+def collect(folders: list[str], out: Path | None, each: list[str]) -> int:
+    """`troupe sweep collect DIR...`: the exit code."""
+    from troupe.sweep.collect import gather, write_tables  # noqa: PLC0415
+    from troupe.sweep.results import Each  # noqa: PLC0415
+
+    if not folders:
+        raise UsageError("collect: name one or several folders of sweeps")
+    if out is None and len(folders) > 1:
+        raise UsageError("--out: name a folder for the tables of several sweeps")
+    paths = [Path(one) for one in folders]
+    tables = gather(paths, [Each(name, str(Path.cwd())) for name in each])
+    made = write_tables(tables, paths[0] if out is None else out)
+    missing = f", {tables.missing} are missing" if tables.missing else ""
+    print(f"{len(tables.results)} runs{missing}: {', '.join(str(path) for path in made)}")
+    return 1 if tables.missing else 0
+
+
+def refuse_all_but(context: typer.Context, known: set[str]) -> None:
+    """Raises UsageError for an option that was given and means nothing here."""
+    for name in context.params:
+        source = context.get_parameter_source(name)
+        if name not in known and source is not None and source.name == "COMMANDLINE":
+            option = name.strip("_").replace("_", "-")
+            raise UsageError(f"--{option}: means nothing to `troupe sweep collect`")

@@ -1,0 +1,1 @@
+"""Runs by the thousand: worlds, settings and seeds multiplied, in a folder that survives."""

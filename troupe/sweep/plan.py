@@ -1,0 +1,191 @@
+"""A sweep's plan: every combination checked before the first run, and the name of every run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from sim.worldfile import LoadedWorld, WorldError, load
+from sim.worldfile.mistakes import MOST_TOLD, Mistake
+from troupe.sweep.fingerprint import Fingerprint, fingerprint
+from troupe.sweep.seeds import parse_seeds, written
+from troupe.sweep.spec import Combination
+from troupe.usage import UsageError
+from troupe.worlds import find_world
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Point:
+    """One combination that has been checked: its runs differ in nothing but the seed."""
+
+    hash: str
+    world: str  # as it was asked for
+    path: str  # absolute
+    settings: Mapping[str, Any]
+    duration: float
+    seeds: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a plan; its name says all that its result depends on."""
+
+    point: Point
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.point.hash}-s{self.seed}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of a sweep, in their order. `about` is for people, and no part of its name."""
+
+    points: tuple[Point, ...]
+    about: Mapping[str, Any]
+
+    @property
+    def size(self) -> int:
+        return sum(len(point.seeds) for point in self.points)
+
+    def runs(self, shard: tuple[int, int] = (1, 1)) -> Iterator[Run]:
+        """The runs of shard I of N: every N-th one, so that all shards have about as much to do."""
+        first, number = shard
+        index = 0
+        for point in self.points:
+            for seed in point.seeds:
+                if index % number == first - 1:
+                    yield Run(point, seed)
+                index += 1
+
+    @property
+    def name(self) -> str:
+        """A hash of the runs."""
+        text = json.dumps([point_as_json(point) for point in self.points], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def as_json(self) -> dict[str, Any]:
+        points = [point_as_json(point) for point in self.points]
+        return {"format": FORMAT, "about": dict(self.about), "points": points}
+
+
+def point_as_json(point: Point) -> dict[str, Any]:
+    return {
+        "hash": point.hash,
+        "world": point.world,
+        "settings": dict(point.settings),
+        "duration": point.duration,
+        "seeds": written(list(point.seeds)),
+    }
+
+
+def plan_of_json(data: Mapping[str, Any]) -> Plan:
+    """The plan that a folder holds."""
+    paths = data["about"].get("paths", {})
+    points = tuple(
+        Point(
+            one["hash"],
+            one["world"],
+            paths.get(one["world"], one["world"]),
+            one["settings"],
+            one["duration"],
+            tuple(parse_seeds(one["seeds"])),
+        )
+        for one in data["points"]
+    )
+    return Plan(points, data["about"])
+
+
+def as_settings(settings: Mapping[str, Any]) -> list[str]:
+    """Settings as the command line has them; JSON is YAML."""
+    return [f"{key}={json.dumps(value)}" for key, value in settings.items()]
+
+
+def load_point(
+    world: str | Path, settings: Sequence[str], duration: float | None
+) -> tuple[LoadedWorld, Fingerprint, float]:
+    """A combination's world, its fingerprint and how long its runs last at most.
+
+    Raises WorldError, also for what cannot be run by the thousand.
+    """
+    loaded = load(world, settings=settings)
+    mistakes = [
+        Mistake(
+            ("controllers", name, "external"),
+            "a sweep has nobody who connects by hand",
+            allowed="program, or command",
+            file=str(loaded.path),
+        )
+        for name, controller in loaded.world.controllers.items()
+        if controller.external and name in drivers(loaded)
+    ]
+    if mistakes:
+        raise WorldError(mistakes)
+    most = loaded.world.duration if duration is None else duration
+    return loaded, fingerprint(loaded, most), most
+
+
+def drivers(loaded: LoadedWorld) -> set[str]:
+    """The names of the controllers that drive somebody."""
+    named = {robot.controller for robot in loaded.robots}
+    named |= {door.controller for door in loaded.layout.doors}
+    return {name for name in named if name is not None}
+
+
+def make_plan(
+    asked: Sequence[Combination], duration: float | None, about: Mapping[str, Any]
+) -> Plan:
+    """Check every combination; raises UsageError with every mistake of all of them, each once.
+
+    Combinations of the same effect are one: they would be the same runs.
+    """
+    points: dict[str, Point] = {}
+    found: dict[str, list[Combination]] = {}  # a mistake's text: where it is
+    paths: dict[str, str] = {}
+    for one in asked:
+        try:
+            path = find_world(one.world)
+            if not path.is_file():
+                what = "a sweep reads its worlds many times: it must be a file"
+                raise WorldError([Mistake((), what, file=one.world)])
+            paths[one.world] = str(path.resolve())
+            loaded, mark, most = load_point(path, as_settings(one.settings), duration)
+        except WorldError as error:
+            for mistake in error.mistakes:
+                found.setdefault(text_of(mistake), []).append(one)
+            continue
+        seeds = (loaded.world.seed,) if one.seeds is None else one.seeds
+        known = points.get(mark.hash)
+        points[mark.hash] = (
+            Point(mark.hash, one.world, str(path.resolve()), one.settings, most, seeds)
+            if known is None
+            else replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *seeds))))
+        )
+    if found:
+        texts = [told(text, at, len(asked)) for text, at in found.items()]
+        more = [f"... and {len(texts) - MOST_TOLD} more mistakes"] * (len(texts) > MOST_TOLD)
+        raise UsageError("\n".join([*texts[:MOST_TOLD], *more]))
+    return Plan(tuple(points.values()), {**about, "paths": paths})
+
+
+def text_of(mistake: Mistake) -> str:
+    """A mistake as a line, which is the same for all values of a setting if it is about the key."""
+    if mistake.file is not None and mistake.file.startswith("--set "):
+        return str(replace(mistake, file=mistake.file.partition("=")[0]))
+    return str(mistake)
+
+
+def told(text: str, at: Sequence[Combination], number: int) -> str:
+    """A mistake with the combinations that have it."""
+    if len(at) == number or number == 1:
+        return text
+    settings = ", ".join(f"{key}={json.dumps(v)}" for key, v in at[0].settings.items())
+    such = f"{at[0].world} with {settings}" if settings else at[0].world
+    return f"{text} [in {len(at)} of {number} combinations, such as {such}]"

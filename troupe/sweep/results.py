@@ -1,0 +1,124 @@
+"""A kept result as the object that `troupe.run` gives, and functions of it that add columns."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim.result import DoorRecord, FloorRecord, Result, RobotRecord
+from troupe.usage import UsageError
+
+
+def result_of(record: Mapping[str, Any]) -> Result:
+    """The result that a record was made of."""
+    return Result(
+        world=record["world"],
+        seed=record["seed"],
+        outcome=record["outcome"],
+        sim_time=record["sim_time"],
+        wall_time=record["wall_time"],
+        ticks=record["ticks"],
+        digest=record["digest"],
+        robots=[robot_of(one) for one in record["robots"]],
+        floor=FloorRecord(**record["floor"]),
+        doors=[DoorRecord(**one) for one in record["doors"]],
+    )
+
+
+def robot_of(one: Mapping[str, Any]) -> RobotRecord:
+    """One robot's part of a result."""
+    x, y, yaw = one["start"]
+    end_x, end_y, end_yaw = one["pose"]
+    return RobotRecord(
+        name=one["name"],
+        model=one["model"],
+        entered=one["entered"],
+        start=(x, y, yaw),
+        pose=(end_x, end_y, end_yaw),
+        state=one["controller"]["state"],
+        distance=one["distance"],
+        stalls=one["stalls"],
+        contacts=one["contacts"],
+        exit_code=one["controller"]["exit_code"],
+        error=one["controller"]["error"],
+        devices=list(one["devices"]),
+        properties=dict(one["properties"]),
+        said=[(time, text) for time, text in one["said"]],
+    )
+
+
+@dataclass(frozen=True)
+class Each:
+    """A function of a result: `module:function` or `FILE.py:function`, and where it was named."""
+
+    name: str
+    folder: str
+
+    def load(self) -> Callable[[Result], Any]:
+        """The function; raises UsageError where there is none."""
+        module_name, colon, function = self.name.rpartition(":")
+        if not colon or not function.isidentifier() or not module_name:
+            raise UsageError(f"--each {self.name}: must be module:function, or FILE.py:function")
+        try:
+            with first_place(self.folder):
+                if module_name.endswith(".py"):
+                    path = Path(self.folder, module_name)
+                    spec = importlib.util.spec_from_file_location(f"_each_{path.stem}", path)
+                    assert spec is not None
+                    assert spec.loader is not None
+                    module = importlib.util.module_from_spec(spec)
+                    spec.loader.exec_module(module)
+                else:
+                    module = importlib.import_module(module_name)
+            found: Callable[[Result], Any] = getattr(module, function)
+        except Exception as error:  # a module of the user's raises anything
+            raise UsageError(f"--each {self.name}: {type(error).__name__}: {error}") from None
+        if not callable(found):
+            raise UsageError(f"--each {self.name}: is no function")
+        return found
+
+
+@contextmanager
+def first_place(folder: str) -> Iterator[None]:
+    """Within, modules are looked for in a folder first; our own have been found before."""
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)
+
+
+def added(each: Each, function: Callable[[Result], Any], record: Mapping[str, Any]) -> Any:
+    """The columns that a function adds to a record's row; raises UsageError.
+
+    A mapping is several columns; any other value is one, of the function's name.
+    """
+    if "robots" not in record:
+        return {}
+    try:
+        value = function(result_of(record))
+    except Exception as error:
+        raise UsageError(
+            f"--each {each.name}: {type(error).__name__}: {error} (for the run {record['name']})"
+        ) from None
+    name = each.name.rpartition(":")[2]
+    found = dict(value) if isinstance(value, Mapping) else {name: value}
+    return {str(key): plain(one) for key, one in found.items()}
+
+
+def plain(value: Any) -> Any:
+    """A value that a table holds: numpy's numbers as Python's; NaN and infinities are missing."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if value is None or isinstance(value, bool | int | float | str | list | tuple | dict):
+        return value
+    return str(value)
