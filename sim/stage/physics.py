@@ -11,17 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
 from sim.stage.batch import BodyTable, ContactTable
+from sim.stage.chipmunk import address, pointer
+from sim.stage.clearance import Clearance
 from sim.stage.contacts import Touches
 from sim.stage.geometry import Floats, least_width, outline, reach
 from sim.stage.layout import Layout
 from sim.stage.records import mover
-from sim.stage.trace import Trace
+from sim.stage.steps import CALLS, PARTS, Place, run_steps
 
 
 class Physics:
     """Movers (movable obstacles first, then robots) as bodies, with tables of their states.
 
-    Movers are numbered as they came. `index` must run after every change before `step`.
+    Movers are numbered as they came. `index` must run after every change before `run`.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -37,8 +39,9 @@ class Physics:
         self._names: list[int] = []
         self._leader_names: list[int] = []
         self._shapes: dict[Any, int] = {}
-        self._contacts = ContactTable(self._space)
+        self._contacts = ContactTable()
         self.table = BodyTable(self._space)
+        self._machine = np.zeros(PARTS, np.uintp)
         self.outlines: NDArray[np.float64] = np.zeros((0, 1, 2))
         """(s, k, 2) Outlines of the shapes that there are, in their own frames."""
         self.sides: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
@@ -120,6 +123,13 @@ class Physics:
     def index(self, movers: NDArray[Any], touches: Touches) -> None:
         """After a change: find the rows of the movers (n,) in the table, and read it."""
         ids = self.table.index().astype(np.int64)
+        self._machine[:] = (
+            *(address(name) for name in CALLS),
+            pointer(self._space._space),
+            *self.table.readers,
+            *self.table.writers,
+            *self._contacts.readers,
+        )
         order = np.argsort(ids)
         ranked = ids[order]
         own = np.array(self._names, dtype=np.int64)
@@ -136,28 +146,33 @@ class Physics:
         rank = np.argsort(names_of_all)
         touches.rename(names_of_all[rank], things[rank])
 
-    def step(
-        self, piece: float, cuts: int, rounds: int, touches: Touches | None, trace: Trace | None
-    ) -> None:
-        """Write the table's orders, make `cuts` steps of `piece` seconds, and read the table.
+    def run(
+        self,
+        place: Place,
+        movers: NDArray[Any],
+        first: int,
+        order: NDArray[np.int64],
+        clearance: Clearance,
+        interval: float,
+        steps: int,
+        traced: NDArray[np.int64],
+        seen: tuple[Floats, Floats, Floats, NDArray[np.bool_]],
+        touches: Touches,
+    ) -> tuple[Place, Floats]:
+        """Go on with a tick as far as joints need no change; see `steps.run_steps`.
 
-        rounds: how many the solver makes in each. touches: gathers what touches; None where
-        nothing can. trace: notes where bodies are after each piece.
+        seen: poses, velocities, distances and stalls of the robots. touches: gathers what touches.
+        Returns the place, and the notes (m, k, 3) of where the `traced` movers were.
         """
-        self.table.write()
-        if self._space.iterations != rounds:
-            self._space.iterations = rounds
-        for _ in range(cuts):
-            self._space.step(piece)
-            if touches is not None:
-                touching = self._contacts.read()
-                if touching is not None:
-                    touches.add(touching)
-            if trace is not None:
-                self.table.read()
-                trace.note()
-        if trace is None:
-            self.table.read()
+        table = self.table
+        place, pairs, points, ends, notes = run_steps(
+            self._machine, table.state, table.orders, movers, first, len(movers), order,
+            clearance.cells, clearance.cell, self.outlines, self.sides, interval, steps, place,
+            traced, *seen,
+        )  # fmt: skip
+        if len(pairs):
+            touches.add(pairs, points, ends)
+        return place, notes
 
     def poses(self, count: int) -> Floats:
         """Poses (count, 3) of the first movers: x, y, yaw as Chipmunk counts it."""
