@@ -14,7 +14,7 @@ from sim.stage.batch import BodyTable, ContactTable
 from sim.stage.chipmunk import address, pointer
 from sim.stage.clearance import Clearance
 from sim.stage.contacts import Touches
-from sim.stage.geometry import Floats, least_width, outline, reach
+from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
 from sim.stage.steps import CALLS, PARTS, Place, run_steps
@@ -39,6 +39,7 @@ class Physics:
         self._names: list[int] = []
         self._leader_names: list[int] = []
         self._shapes: dict[Any, int] = {}
+        self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
         self._contacts = ContactTable()
         self.table = BodyTable(self._space)
         self._machine = np.zeros(PARTS, np.uintp)
@@ -49,8 +50,11 @@ class Physics:
 
     def add(self, schema: Any, drive: Any, pose: tuple[float, float, float]) -> Any:
         """Add a mover of a body and a drive (or None) of the schema; returns its record."""
-        body = bodies.dynamic_body(schema, pose)
-        self._space.add(body, bodies.shape_of(body, schema))
+        form = self._forms.get(id(schema))
+        if form is None:
+            form = self._forms[id(schema)] = bodies.form_of(schema)
+        body = bodies.dynamic_body(form, pose)
+        self._space.add(body, bodies.shape_of(body, form))
         joints: list[pymunk.Constraint] = []
         if drive is None:
             joints = bodies.floor_friction(self._ground, body, schema)
@@ -65,18 +69,17 @@ class Physics:
         record = mover(
             schema,
             drive,
-            moment=body.moment,
-            reach=reach(schema),
-            girth=schema.radius if schema.shape == "circle" else least_width(outline(schema)) / 2,
-            shape=self._shape(schema),
+            moment=form.moment,
+            reach=form.reach,
+            girth=form.girth,
+            shape=self._shape(form.corners),
         )
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
         return record
 
-    def _shape(self, schema: Any) -> int:
-        """The number of a body's outline, which bodies of equal shape share."""
-        corners = np.zeros((0, 2)) if schema.shape == "circle" else outline(schema)
+    def _shape(self, corners: Floats) -> int:
+        """The number of an outline (k, 2), which bodies of equal shape share."""
         key = corners.tobytes()
         if key not in self._shapes:
             self._shapes[key] = len(self._shapes)
