@@ -35,9 +35,10 @@ class Physics:
         self._drives: list[Any] = []
         self._joints: list[list[pymunk.Constraint]] = []
         self._leaders: list[pymunk.Body | None] = []
-        self._following: list[bool] = []
+        self._led: dict[int, int] = {}  # movers that follow a leader, and its name
         self._names: list[int] = []
-        self._leader_names: list[int] = []
+        self._known = -1  # how many of the names are in `_own`
+        self._own: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self._shapes: dict[Any, int] = {}
         self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
         self._contacts = ContactTable()
@@ -63,9 +64,7 @@ class Physics:
         self._drives.append(drive)
         self._joints.append(joints)
         self._leaders.append(None)
-        self._following.append(False)
         self._names.append(body.id)
-        self._leader_names.append(0)
         record = mover(
             schema,
             drive,
@@ -92,17 +91,20 @@ class Physics:
 
     def follow(self, number: int, following: bool) -> None:
         """Attach a driven mover to its leader, or detach it."""
-        if following == self._following[number]:
+        if following == (number in self._led):
             return
         body, drive = self._bodies[number], self._drives[number]
         leader = self._leaders[number]
         if leader is None:
             leader = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            self._leaders[number], self._leader_names[number] = leader, leader.id
+            self._leaders[number] = leader
             self._joints[number] = bodies.follow(leader, body, drive.max_force, drive.max_torque)
         change = self._space.add if following else self._space.remove
         change(leader, *self._joints[number])
-        self._following[number] = following
+        if following:
+            self._led[number] = leader.id
+        else:
+            del self._led[number]
 
     def settle(self, number: int) -> None:
         """Make a mover a standing body."""
@@ -135,19 +137,22 @@ class Physics:
         )
         order = np.argsort(ids)
         ranked = ids[order]
-        own = np.array(self._names, dtype=np.int64)
-        if len(own):
-            movers["row"] = order[np.searchsorted(ranked, own)]
+        count = len(self._names)
+        if self._known != count:  # who came is named once, not at each change of joints
+            self._known = count
+            self._own = np.array(self._names, dtype=np.int64)
+            standing = np.array(list(self._standing), dtype=np.int64)
+            groups = np.array(list(self._standing.values()), dtype=np.int64)
+            names_of_all = np.concatenate([self._own, standing])
+            things = np.concatenate([np.arange(count), -1 - groups])
+            rank = np.argsort(names_of_all)
+            touches.rename(names_of_all[rank], things[rank])
+        if count:
+            movers["row"] = order[np.searchsorted(ranked, self._own)]
             movers["control"] = -1
-            led = np.nonzero(np.array(self._following))[0]
-            leaders = np.array(self._leader_names, dtype=np.int64)[led]
+            led = np.array(sorted(self._led), dtype=np.int64)
+            leaders = np.array([self._led[number] for number in led.tolist()], dtype=np.int64)
             movers["control"][led] = order[np.searchsorted(ranked, leaders)]
-        standing = np.array(list(self._standing), dtype=np.int64)
-        groups = np.array(list(self._standing.values()), dtype=np.int64)
-        names_of_all = np.concatenate([own, standing])
-        things = np.concatenate([np.arange(len(own)), -1 - groups])
-        rank = np.argsort(names_of_all)
-        touches.rename(names_of_all[rank], things[rank])
 
     def run(
         self,
