@@ -23,7 +23,7 @@ from sim.entry import Entry
 from sim.fleet.crew import Crew, Patience
 from sim.fleet.fleet import Fleet
 from sim.pace import Pace
-from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result
+from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result, Touch
 from sim.scenery import Scenery
 from sim.spray import Sprayers
 from sim.stage.doors import Doors
@@ -31,6 +31,8 @@ from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
+LONGEST_NAP = 0.1
+"""Wall-clock seconds after which a run that is held to the clock looks whether the pace is new."""
 ROUNDING = 1e-9
 """s by which sums of intervals in doubles may be off."""
 
@@ -65,6 +67,7 @@ class Engine:
     interrupted: bool = False
     began: float = 0.0
     settling: set[int] = field(default_factory=set)
+    touched: list[Touch] = field(default_factory=list)  # what somebody did by hand
 
     def __post_init__(self) -> None:
         world = self.loaded.world
@@ -109,7 +112,8 @@ class Engine:
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
-        self.pace = Pace(self.settings.realtime)
+        self.realtime = self.settings.realtime  # who watches may change it meanwhile
+        self.pace = Pace(self.realtime)
         self.stalled = b""  # a byte per robot
 
     @property
@@ -246,12 +250,13 @@ class Engine:
 
     def keep_pace(self) -> None:
         """With --realtime, wait until the wall clock has caught up; requests are answered."""
-        if not self.settings.realtime:
+        while True:
             # clients that are pushed their data live in real time, if nothing else sets the pace
-            self.pace.follow(1.0 if self.crew.pushed_only else None, self.time)
-        wait = self.pace.ahead(self.time)
-        if wait > 0:
-            self.crew.wait(wait)
+            self.pace.follow(self.realtime or (1.0 if self.crew.pushed_only else None), self.time)
+            wait = self.pace.ahead(self.time)
+            if wait <= 0 or self.crew.interrupted or self.crew.failed:
+                break
+            self.crew.wait(min(wait, LONGEST_NAP))
 
     def behind(self, seconds: float) -> dict[str, float]:
         """Who has been waited for for so many wall-clock seconds, and since how many, by name."""
@@ -312,6 +317,7 @@ class Engine:
                 DoorRecord(cell.name, len(steps), list(steps))
                 for cell, steps in zip(self.loaded.layout.doors, self.doors.steps, strict=True)
             ],
+            touched=list(self.touched),
         )
 
 

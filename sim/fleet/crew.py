@@ -132,7 +132,7 @@ class Crew:
             self.notice_ends()
             if until is None and monotonic() >= self.look_at:
                 self.notice_hung()
-            if until is None and self.while_waiting is not None:
+            if self.while_waiting is not None:
                 self.while_waiting()
         return False
 
