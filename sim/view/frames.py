@@ -205,6 +205,11 @@ class Message:
         return np.frombuffer(self.sections[POSES], "<f4").reshape(-1, 3)
 
     @property
+    def things(self) -> NDArray[np.float32]:
+        """(m, 3)."""
+        return np.frombuffer(self.sections.get(THINGS, b""), "<f4").reshape(-1, 3)
+
+    @property
     def fans(self) -> list[Fan]:
         """The scans."""
         return list(_read_fans(self.sections[FANS]))
