@@ -40,7 +40,7 @@ def test_a_world_that_comes_with_troupe_runs_by_name_from_anywhere(tmp_path: Pat
     assert result["ticks"] == 20
     assert set(result) == {
         "world", "seed", "outcome", "sim_time", "wall_time", "speed", "ticks", "digest", "robots",
-        "floor", "doors",
+        "floor", "doors", "touched",
     }  # fmt: skip
     robot = result["robots"][0]
     assert set(robot) == {

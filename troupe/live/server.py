@@ -10,7 +10,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import os
 import secrets
+import socket
 import threading
 from http import HTTPStatus
 from time import monotonic, thread_time
@@ -45,8 +47,8 @@ START_LIMIT = 60.0
 class Viewer:
     """One page: what it has been told, and what it may be sent."""
 
-    def __init__(self, socket: ServerConnection) -> None:
-        self.socket = socket
+    def __init__(self, line: ServerConnection) -> None:
+        self.line = line
         self.told = Told()
         self.scenes = 0
         self.moments = 0
@@ -94,8 +96,11 @@ class LiveServer:
         self._thread.start()
         try:
             self._wait(self._open(host, port), START_LIMIT)
-        except BaseException:
+        except BaseException as error:
             self._stop()
+            if isinstance(error, OSError) and not isinstance(error, socket.gaierror):
+                why = os.strerror(error.errno) if error.errno else str(error)
+                raise OSError(error.errno, f"cannot listen on {host}:{port}: {why}") from None
             raise
         self.exchange.ring = self._ring
 
@@ -136,7 +141,7 @@ class LiveServer:
         until = monotonic() + LAST_WORDS
         late = [self._is_done(viewer, until) for viewer in self.viewers]
         await asyncio.gather(*late)
-        closing = [viewer.socket.close(GOING_AWAY, "the run is over") for viewer in self.viewers]
+        closing = [viewer.line.close(GOING_AWAY, "the run is over") for viewer in self.viewers]
         await asyncio.gather(*closing, return_exceptions=True)
         if self._listening is not None:
             self._listening.close()
@@ -149,11 +154,11 @@ class LiveServer:
                 return
             await asyncio.sleep(0.01)
 
-    def _entrance(self, socket: ServerConnection, request: Request) -> Response | None:
+    def _entrance(self, line: ServerConnection, request: Request) -> Response | None:
         """Answer plain HTTP; None lets a WebSocket through."""
         found = answer(self.token, self.bound, request.path, request.headers)
         if found is None and len(self.viewers) >= MOST_VIEWERS:
-            return socket.respond(HTTPStatus.SERVICE_UNAVAILABLE, "Enough are watching.\n")
+            return line.respond(HTTPStatus.SERVICE_UNAVAILABLE, "Enough are watching.\n")
         if found is None:
             return None
         headers = Headers(
@@ -170,21 +175,21 @@ class LiveServer:
             headers["Content-Security-Policy"] = found.policy
         return Response(found.status, found.status.phrase, headers, found.body)
 
-    async def _view(self, socket: ServerConnection) -> None:
+    async def _view(self, line: ServerConnection) -> None:
         """One page, from its coming to its going."""
-        viewer = Viewer(socket)
+        viewer = Viewer(line)
         self.viewers.add(viewer)
         self._count_hungry()
         sending = asyncio.create_task(self._feed(viewer))
         try:
-            async for text in socket:
+            async for text in line:
                 if not viewer.affords():
-                    await socket.close(POLICY, "too many messages")
+                    await line.close(POLICY, "too many messages")
                     break
                 try:
                     self._obey(viewer, parse_ask(text))
                 except Malformed as error:
-                    await socket.close(POLICY, f"not understood: {error}")
+                    await line.close(POLICY, f"not understood: {error}")
                     break
         except ConnectionClosed:
             pass
@@ -212,7 +217,7 @@ class LiveServer:
 
     async def _feed(self, viewer: Viewer) -> None:
         """Send a page what is new whenever it has drawn what it got."""
-        exchange, send = self.exchange, viewer.socket.send
+        exchange, send = self.exchange, viewer.line.send
         with contextlib.suppress(ConnectionClosed):
             while True:
                 scene, moment = exchange.scene, exchange.moment

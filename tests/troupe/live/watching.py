@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 
 from websockets.sync.client import ClientConnection, connect
 
+from sim.interrupts import Interrupts
 from sim.result import Result
 from sim.view.frames import Message, decode
 from tests.patience import PATIENCE
@@ -53,6 +54,7 @@ class Watched:
         self.view: View | None = None
         self.done: Run | BaseException | None = None
         self.there = threading.Event()
+        self.interrupts = Interrupts()
         paused = options.pop("paused", False)
         stays = options.pop("stays", False)
         read_only = options.pop("read_only", False)
@@ -74,7 +76,9 @@ class Watched:
 
         def run() -> None:
             try:
-                self.done = run_file(world, say=self.lines.append, view=window, **options)
+                self.done = run_file(
+                    world, say=self.lines.append, view=window, interrupts=self.interrupts, **options
+                )
             except BaseException as error:  # told to the test's own thread
                 self.done = error
             self.there.set()
@@ -90,14 +94,15 @@ class Watched:
         return self.view.server.address
 
     def stop(self) -> None:
-        """End the run as Ctrl-C would."""
-        assert self.view is not None
-        self.view.stays = False
-        watch = self.view.watch
-        engine = watch._engine
-        if engine is not None:
-            engine.crew.interrupted = True
-            self.view.exchange.wake()
+        """End the run as Ctrl-C would, wherever it is."""
+        self.interrupts.noted = True
+        while self.thread.is_alive():
+            assert self.view is not None
+            engine = self.view.watch._engine
+            if engine is not None:
+                engine.crew.interrupted = True
+                self.view.exchange.wake()
+            self.thread.join(0.05)
 
     def result(self) -> Result:
         """What came out of it."""
@@ -115,7 +120,6 @@ def watched(world: str | Path, **options: Any) -> Iterator[Watched]:
         yield run
     finally:
         run.stop()
-        run.thread.join(PATIENCE)
 
 
 class Viewer:
