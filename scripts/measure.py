@@ -217,7 +217,8 @@ def main() -> None:
         rows = [
             ("16 x 21 m, 4 robots with laser and blobfinder at 10 Hz, 4 controller processes",
              "200 x real time", small_team(folder, repeats)),
-            ("what a page that watches the four robots costs", "under 3 %", watched(folder, repeats)),
+            ("what a page that watches the four robots costs",
+             "under 3 %", watched(folder, repeats)),
             ("sense and move, 1000 robots at 0.01 per m2, laser (180 rays, 20 m) and blobfinder "
              "(160 columns), 10 Hz, no controllers", "10 x real time", sense_and_move),
             ("the same with 1000 controller processes that wander",

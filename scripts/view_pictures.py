@@ -71,7 +71,7 @@ def main() -> None:
         desk, phone = {"width": 1200, "height": 780}, {"width": 390, "height": 780}
         take(browser, "wander", 240, 0, "view.png", viewport=desk)
         take(
-            browser, "paint_swarm_16", 900, None, "view_phone.png",
+            browser, "paint_swarm_16", 300, None, "view_phone.png",
             viewport=phone, color_scheme="dark",
         )  # fmt: skip
         browser.close()

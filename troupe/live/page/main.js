@@ -186,6 +186,7 @@ find("find").onsubmit = (event) => {
   if (robot >= 0) hands.select([robot]);
   else say("There is no robot of that name.");
 };
+if (innerWidth <= 720) find("layers").open = false;
 new ResizeObserver(size).observe(find("stage"));
 looks();
 requestAnimationFrame(frame);

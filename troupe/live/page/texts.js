@@ -45,7 +45,7 @@ function speech(context, state, camera, ink, reach, taken) {
     const words = printable(text, state.count > CROWD ? SHORT : LONGEST);
     const width = context.measureText(words).width + 14, height = 20, radius = reach(robot);
     let found = null;
-    for (let rise = 0; rise < 6 && !found; rise++) {
+    for (let rise = 0; rise < 4 && !found; rise++) {
       for (const share of [0.5, 0.15, 0.85]) {
         const x = Math.min(Math.max(column - share * width, 3), camera.width - width - 3);
         const y = row - radius - 9 - height - rise * (height + 3);
@@ -53,8 +53,13 @@ function speech(context, state, camera, ink, reach, taken) {
         if (y > 0 && free(box, taken)) { found = box; break; }
       }
     }
-    if (!found) found = [Math.min(Math.max(column - width / 2, 3), camera.width - width - 3),
-                         row + radius + 18, 0, 0];
+    for (let fall = 0; fall < 3 && !found; fall++) {
+      const x = Math.min(Math.max(column - width / 2, 3), camera.width - width - 3);
+      const y = row + radius + 18 + fall * (height + 3);
+      const box = [x, y, x + width, y + height];
+      if (y + height < camera.height && free(box, taken)) found = box;
+    }
+    if (!found) continue;   // those who spoke last have found their places
     taken.push([found[0], found[1], found[0] + width, found[1] + height]);
     balloon(context, words, found, [column, row], { width, height, radius }, tint(ink, robot), ink);
   }
