@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import json
 import os
 import platform
+import re
 import statistics
 import subprocess
 import sys
@@ -15,6 +17,8 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -79,6 +83,37 @@ def median_speed(repeats: int, *words: str) -> float:
 def small_team(folder: Path, repeats: int) -> str:
     path = world(folder, "reader", 300, size=(16, 21), count=4)
     return f"{median_speed(repeats, str(path)):.0f} x real time"
+
+
+def watched(folder: Path, repeats: int) -> str:
+    """The price of a page that watches: pairs of runs, without it and with it."""
+    path = str(world(folder, "reader", 300, size=(16, 21), count=4))
+    prices = []
+    for _ in range(max(3, repeats)):
+        alone = float(str(run_command(path)[0]["speed"]))
+        prices.append(100 * (1 - watched_speed(path) / alone))
+    return f"{statistics.median(prices):.1f} % of the speed"
+
+
+def watched_speed(path: str) -> float:
+    """The speed of a run while somebody draws every moment that comes."""
+    run = subprocess.Popen(
+        [sys.executable, "-m", "troupe", "run", path, "--json", "--view", "--no-open"],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert run.stderr is not None
+    address = next(m[1] for line in run.stderr if (m := re.search(r"http(://\S+)", line)))
+    with (
+        contextlib.suppress(ConnectionClosed),
+        connect(f"ws{address}socket", max_size=None) as page,
+    ):
+        while True:
+            page.recv()
+            page.send('{"do": "seen"}')
+    return float(json.loads(run.communicate()[0])["speed"])
 
 
 def rounds(folder: Path, controller: str, repeats: int) -> str:
@@ -206,6 +241,8 @@ def main() -> None:
         rows = [
             ("16 x 21 m, 4 robots with laser and blobfinder at 10 Hz, 4 controller processes",
              "200 x real time", small_team(folder, repeats)),
+            ("what a page that watches the four robots costs",
+             "under 3 %", watched(folder, repeats)),
             ("sense and move, 1000 robots at 0.01 per m2, laser (180 rays, 20 m) and blobfinder "
              "(160 columns), 10 Hz, no controllers", "10 x real time", sense_and_move),
             ("the same with 1000 controller processes that wander",

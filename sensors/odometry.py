@@ -119,6 +119,13 @@ class Odometry:
         else:
             self._anchor(robot)
 
+    def in_world(self, robot: int) -> tuple[float, float, float]:
+        """Where the robot believes to be, in the world: x, y, yaw from where its frame lies."""
+        x, y, yaw = self.poses[robot].tolist()
+        fx, fy, turn = self._frames[robot].tolist()
+        cos, sin = math.cos(turn), math.sin(turn)
+        return fx + cos * x - sin * y, fy + sin * x + cos * y, turn + yaw
+
     def _anchor(self, robot: int) -> None:
         """Lay the frame so that the true pose, seen from it, is the reported one."""
         x, y, yaw = self.poses[robot]

@@ -29,7 +29,7 @@ from sim.fleet.functions import Controllers, Functions
 from sim.fleet.routing import Router
 from sim.pace import Pace
 from sim.ports import Ports
-from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result
+from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result, Touch
 from sim.robot import Robot
 from sim.scenery import Scenery
 from sim.sensing import Sensing
@@ -39,6 +39,8 @@ from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
+LONGEST_NAP = 0.1
+"""Wall-clock seconds after which a run that is held to the clock looks whether the pace is new."""
 ROUNDING = 1e-9
 """s by which sums of intervals in doubles may be off."""
 
@@ -82,6 +84,7 @@ class Engine:
     enough: bool = False  # told from outside that the run has come to its end
     ended: Outcome | None = None  # how the run has ended, once it has
     settling: set[int] = field(default_factory=set)
+    touched: list[Touch] = field(default_factory=list)  # what somebody did by hand
 
     def __post_init__(self) -> None:
         world = self.loaded.world
@@ -137,7 +140,8 @@ class Engine:
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
-        self.pace = Pace(self.settings.realtime)
+        self.realtime = self.settings.realtime  # who watches may change it meanwhile
+        self.pace = Pace(self.realtime)
         self.stalled = b""  # a byte per robot
 
     @property
@@ -289,12 +293,13 @@ class Engine:
 
     def keep_pace(self) -> None:
         """With --realtime, wait until the wall clock has caught up; requests are answered."""
-        if not self.settings.realtime:
+        while True:
             # clients that are pushed their data live in real time, if nothing else sets the pace
-            self.pace.follow(1.0 if self.crew.pushed_only else None, self.time)
-        wait = self.pace.ahead(self.time)
-        if wait > 0:
-            self.crew.wait(wait)
+            self.pace.follow(self.realtime or (1.0 if self.crew.pushed_only else None), self.time)
+            wait = self.pace.ahead(self.time)
+            if wait <= 0 or self.crew.interrupted or self.drivers.failed:
+                break
+            self.crew.wait(min(wait, LONGEST_NAP))
 
     def behind(self, seconds: float) -> dict[str, float]:
         """Who has been waited for for so many wall-clock seconds, and since how many, by name."""
@@ -358,6 +363,7 @@ class Engine:
                 DoorRecord(cell.name, len(steps), list(steps))
                 for cell, steps in zip(self.loaded.layout.doors, self.doors.steps, strict=True)
             ],
+            touched=list(self.touched),
         )
 
 

@@ -18,7 +18,7 @@ class Pace:
             self.origin = monotonic() - time / self.factor
 
     def follow(self, factor: float | None, time: float) -> None:
-        """The factor from simulated time `time` on, if it is not the same as before."""
+        """Keep to a factor, from simulated time `time` on if it is not the same as before."""
         if factor != self.factor:
             self.factor = factor
             self.begin(time)

@@ -88,6 +88,25 @@ class DoorRecord:
     steps: list[int]
 
 
+@dataclass(frozen=True)
+class Touch:
+    """What a hand did to a run, between tick number `tick` and the next.
+
+    `what`: put (the robot to a pose x, y, yaw), put_thing (a movable thing, `robot` is its number),
+    drive (a twist vx, vy, wz), pause. Metres, radians, and either per second.
+    """
+
+    time: float
+    tick: int
+    robot: str | None
+    what: str
+    numbers: tuple[float, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        found = {"time": self.time, "tick": self.tick, "robot": self.robot, "what": self.what}
+        return {**found, "numbers": list(self.numbers)}
+
+
 @dataclass
 class Result:
     """Everything that `troupe run --json` prints; times in seconds."""
@@ -106,6 +125,8 @@ class Result:
     """(ticks,) simulated seconds, where trajectories were asked for."""
     poses: NDArray[np.float64] | None = None
     """(ticks, n, 3) x, y, yaw after each tick; NaN before a robot has entered."""
+    touched: list[Touch] = field(default_factory=list)
+    """What somebody did by hand: with it the digest is another one."""
 
     @property
     def speed(self) -> float:
@@ -178,4 +199,5 @@ class Result:
                 {"name": door.name, "emitted": door.emitted, "steps": door.steps}
                 for door in self.doors
             ],
+            "touched": [touch.as_json() for touch in self.touched],
         }

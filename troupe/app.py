@@ -17,8 +17,10 @@ from troupe.commands.run import run
 from troupe.commands.schema import schema
 from troupe.commands.sensors import sensors
 from troupe.commands.sweep import sweep
+from troupe.commands.view import view
 from troupe.commands.warm import warm
 from troupe.commands.worlds import worlds
+from troupe.view_option import ViewCommand
 
 app = typer.Typer(
     help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",
@@ -43,7 +45,8 @@ def options(
     """What every command has in common."""
 
 
-app.command("run")(run)
+app.command("run", cls=ViewCommand)(run)
+app.command("view")(view)
 app.command("sweep")(sweep)
 app.command("report")(report)
 app.command("worlds")(worlds)

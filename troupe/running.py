@@ -6,7 +6,7 @@ import contextlib
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from sim.engine import Engine
     from sim.fleet.functions import Controllers
     from sim.result import Result
+    from troupe.live.opening import View
     from troupe.world import World
 
 EachTick = Callable[["Engine"], None]
@@ -59,8 +60,12 @@ def run_file(
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     interrupts: Interrupts | None = None,
+    view: Callable[[bool], View] | None = None,
 ) -> Run:
     """Run a world file; see `troupe.run`.
+
+    `view(again)` makes what shows the run to browsers; `again`: whether it may be begun again. Then
+    the result is that of the last run.
 
     `each_tick(engine)` is called after every tick, `while_waiting(engine)` now and then while the
     world waits for controllers, and `warn(line)`, or else `say`, with what is not to be overlooked.
@@ -135,22 +140,42 @@ def run_file(
         def after_tick(engine: Engine) -> None:
             if compiling.spans:  # once in a machine's life, and no part of a run's speed
                 engine.began += compiling.after(engine.began)
+            if window is not None:
+                window.each_tick(engine)
             if each_tick is not None:
                 each_tick(engine)
 
+        window = None
+        if view is not None:
+            window = ending.enter_context(view(film is None))
+
+        def meanwhile(engine: Engine) -> None:
+            if window is not None:
+                window.while_waiting(engine)
+            if while_waiting is not None:
+                while_waiting(engine)
+
         begun = True  # the run ends its fleet itself
-        result = run_world(
-            loaded,
-            told,
-            fleet=fleet,
-            film=film,
-            each_tick=after_tick,
-            while_waiting=while_waiting,
-            say=say,
-            warn=warn,
-            interrupts=interrupts,
-            controllers=controllers,
-        )
+        while True:
+            result = run_world(
+                loaded,
+                told,
+                fleet=fleet,
+                film=film,
+                each_tick=after_tick,
+                while_waiting=meanwhile if window else while_waiting,
+                say=say,
+                warn=warn,
+                interrupts=interrupts,
+                controllers=controllers,
+            )
+            if window is None:
+                break
+            seed = window.next_seed(result.outcome, lambda: not interrupts.noted)
+            if seed is None:
+                break
+            told = replace(told, seed=seed)
+            fleet = Fleet(show=say)
     taken = None if film is None or film.still is None else film.still.time
     if taken is not None and at is not None and taken < at - 1e-9:
         say(f"{picture}: the run ended at {taken:g} s, and that is what the picture shows")

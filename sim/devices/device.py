@@ -43,7 +43,8 @@ class Context:
     robots: list[Robot] = field(default_factory=list)
     by_name: dict[str, Robot] = field(default_factory=dict)
     time: float = 0.0
-    paused: bool = False
+    paused: bool = False  # by a client
+    held: bool = False  # by somebody who watches: no controller is to blame for the wait
     client: Connection | None = None
     complaints: list[tuple[Robot, str]] = field(default_factory=list)
     pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(

@@ -107,13 +107,13 @@ class Crew:
             self.notice_ends()
             if until is None and monotonic() >= self.look_at:
                 self.notice_hung()
-            if until is None and self.while_waiting is not None:
+            if self.while_waiting is not None:
                 self.while_waiting()
         return False
 
     def ready(self) -> bool:
         """Whether nobody is waited for any more."""
-        return not self.context.paused and self.clocks.ready()
+        return not (self.context.paused or self.context.held) and self.clocks.ready()
 
     def next_round(self) -> None:
         """Data has been published: every clock that has been served is waited for again."""
@@ -135,10 +135,10 @@ class Crew:
         now = monotonic()
         self.look_at = now + self.patience.look_after
         behind = list(self.behind.values())
-        if self.context.paused:
+        if self.context.paused or self.context.held:
             for driver in behind:
                 driver.since = now
-            if self.patience.limit_of_pause(self.router.paused_at) <= now:
+            if self.context.paused and self.patience.limit_of_pause(self.router.paused_at) <= now:
                 self.end_pause(now - self.router.paused_at)
             return
         if not self.hinted and not self.clocks.any_clock:

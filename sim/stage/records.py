@@ -15,6 +15,17 @@ KINDS = {"differential": DIFFERENTIAL, "omnidirectional": OMNIDIRECTIONAL, "car"
 TWIST, STEERING, POSITION, HEADING = 0, 1, 2, 3
 """What a robot was commanded last: a twist; a speed with a curvature; a pose; a heading."""
 
+COMMANDS = ("twist", "steering", "position", "heading")
+"""Their names."""
+
+COMMAND_FIELDS = {
+    "twist": ("vx", "vy", "wz"),
+    "steering": ("vx", "curvature"),
+    "position": ("goal_x", "goal_y", "goal_yaw"),
+    "heading": ("vx", "goal_yaw"),
+}
+"""Where a command of each name stands in a record."""
+
 MOVER = np.dtype(
     [
         # the model

@@ -17,7 +17,7 @@ from sim.stage.layout import Layout
 from sim.stage.meeting import CALM
 from sim.stage.physics import Physics, pose_of
 from sim.stage.putting import Places
-from sim.stage.records import CAR, MOVER
+from sim.stage.records import CAR, COMMAND_FIELDS, COMMANDS, MOVER
 from sim.stage.steps import BEGIN
 
 if TYPE_CHECKING:
@@ -112,6 +112,31 @@ class Stage:
             self._rest(record)
             self._show(robot, at)
         return [robot for robot in goals if robot not in found]
+
+    def put_movable(self, number: int, pose: ArrayLike) -> bool:
+        """Lift a movable obstacle and put it down, at rest; False where there is no room for it."""
+        if not 0 <= number < self._movables:
+            return False
+        goal, (bodies, poses) = pose_of(pose), self._moving()
+        index = self._count + number  # robots come first there
+        if not self._places.fitting({index: goal}, bodies, poses):
+            return False
+        self._physics.put(number, goal)
+        record = self._movers[number]
+        record["x"], record["y"] = goal[0], goal[1]
+        self._rest(record)
+        self._changed = True
+        return True
+
+    def command_of(self, robot: int) -> tuple[str, tuple[float, ...]]:
+        """What a robot was commanded last.
+
+        "twist" with vx, vy, wz; "steering" with a speed and a curvature (1/m); "position" with a
+        pose in the world; "heading" with a speed and a heading. Metres, radians, seconds.
+        """
+        record = self._record(robot)
+        kind = COMMANDS[record["mode"]]
+        return kind, tuple(float(record[name]) for name in COMMAND_FIELDS[kind])
 
     def fits(self, robot: int, pose: ArrayLike, moved: Mapping[int, ArrayLike] = {}) -> bool:
         """Whether a robot could be put at a pose, once the robots `moved` are at theirs."""

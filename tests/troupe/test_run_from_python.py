@@ -16,8 +16,8 @@ from troupe.commands.run import run as command
 from troupe.running import as_text, parse_listen
 from troupe.usage import UsageError
 
-SHOWN = {"as_json", "quiet"}
-"""Options about what is printed."""
+SHOWN = {"as_json", "quiet", "view", "view_at", "no_open", "read_only"}
+"""Options about what is printed, and what a browser shows."""
 
 
 def test_it_has_the_options_of_the_command_by_their_names() -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import socket
 import sys
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -15,8 +17,10 @@ from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
 from troupe.streams import OutputLost, ReaderGone
 from troupe.usage import UsageError, told
+from troupe.view_option import parse_address
 
 if TYPE_CHECKING:
+    from troupe.live.opening import View
     from troupe.running import Run
 
 
@@ -109,6 +113,29 @@ def run(
             show_default="only where the world says so",
         ),
     ] = None,
+    view: Annotated[
+        bool,
+        typer.Option(
+            "--view",
+            help="Show the run live in a browser. HOST:PORT may follow; else it is a free port of "
+            "this machine.",
+        ),
+    ] = False,
+    view_at: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HOST:PORT",
+            help="What stands behind --view: its address, where it is to be another one.",
+            show_default="127.0.0.1, a free port",
+            hidden=True,
+        ),
+    ] = None,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Tell the view's address, but open no browser.")
+    ] = False,
+    read_only: Annotated[
+        bool, typer.Option("--read-only", help="Whoever watches can only watch.")
+    ] = False,
     patience: Annotated[
         float,
         typer.Option(
@@ -126,6 +153,70 @@ def run(
     Exit code 0: completed; 1: ended short (time limit, a controller failed, hung or was lost);
     2: bad usage or a bad world file; 130: interrupted.
     """
+    run_and_show(
+        world,
+        as_json=as_json,
+        quiet=quiet,
+        watched=Watched(view_at, not no_open, read_only) if view or view_at else None,
+        seed=seed,
+        duration=duration,
+        settings=set_ or [],
+        realtime=realtime,
+        listen=listen,
+        patience=patience,
+        fail_fast=fail_fast,
+        video=video,
+        video_fps=video_fps,
+        video_speed=video_speed,
+        video_size=video_size,
+        video_show=video_show,
+        picture=picture,
+        at=at,
+    )
+
+
+@dataclass(frozen=True)
+class Watched:
+    """How a run is to be shown in a browser: see `troupe.live.opening.View`."""
+
+    address: str | None
+    browser: bool
+    read_only: bool
+    paused: bool = False
+    stays: bool = False
+
+    def open(self, screen: Screen, again: bool) -> View:
+        """The view, not yet entered."""
+        from troupe.live.opening import View  # noqa: PLC0415 - loaded for those who watch
+
+        host, port = (
+            ("127.0.0.1", 0) if self.address is None else parse_address("view", self.address)
+        )
+        return View(
+            host,
+            port,
+            browser=self.browser,
+            read_only=self.read_only,
+            paused=self.paused,
+            stays=self.stays,
+            again=again,
+            say=screen.say,
+            warn=screen.warn,
+        )
+
+
+def run_and_show(
+    world: str,
+    *,
+    as_json: bool,
+    quiet: bool,
+    watched: Watched | None,
+    video: Path | None = None,
+    picture: Path | None = None,
+    listen: str | None = None,
+    **options: Any,
+) -> NoReturn:
+    """Run a world to its end, print its result and exit; `options` are those of `run_file`."""
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
@@ -135,25 +226,16 @@ def run(
         with Screen(quiet) as screen:
             done = run_file(
                 world,
-                seed=seed,
-                duration=duration,
-                settings=set_ or [],
-                realtime=realtime,
-                listen=listen,
-                patience=patience,
-                fail_fast=fail_fast,
                 video=video,
-                video_fps=video_fps,
-                video_speed=video_speed,
-                video_size=video_size,
-                video_show=video_show,
                 picture=picture,
-                at=at,
+                listen=listen,
                 say=screen.say,
                 warn=screen.warn,
                 each_tick=screen.progress,
                 while_waiting=screen.waiting,
                 interrupts=interrupts,
+                view=None if watched is None else partial(watched.open, screen),
+                **options,
             )
         show(done, as_json, video, picture)
         code = done.result.exit_code or int(done.video_error is not None)
@@ -162,6 +244,8 @@ def run(
         code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
         named = f"--listen {listen}" if listen is not None else "player.host"
+        if watched is not None and watched.address is not None:
+            named = f"--view {watched.address}"
         print(f"{named}: " * isinstance(error, socket.gaierror) + told(error), file=sys.stderr)
         code = 2
     except OutputLost:

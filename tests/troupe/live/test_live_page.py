@@ -1,0 +1,258 @@
+"""The page in a real browser: it draws what the run knows, and its hands reach the run."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from watching import Watched, watched
+
+from tests.patience import PATIENCE
+
+playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
+
+UNTIL = """([wanted]) => new Promise((done) => {
+  const holds = (%s);
+  const look = () => (window.troupe && troupe.state.scene && holds(troupe, wanted))
+    ? done() : requestAnimationFrame(look);
+  look();
+})"""
+
+
+class Page:
+    """A browser's page at a run, with all that it has asked for and complained of."""
+
+    def __init__(self, page: Any, address: str) -> None:
+        self.page = page
+        self.requests: list[str] = []
+        self.complaints: list[str] = []
+        page.set_default_timeout(1000 * PATIENCE)
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.on("console", lambda line: self.complaints.append(line.text))
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.goto(address)
+        self.until("(t) => t.state.count > 0 && t.drawn === t.state.moments")
+
+    def until(self, holds: str, wanted: Any = None) -> None:
+        """Wait until a condition holds of the page's state."""
+        self.page.evaluate(UNTIL % holds, [wanted])
+
+    def get(self, expression: str) -> Any:
+        return self.page.evaluate(f"() => {expression}")
+
+    def place(self, x: float, y: float) -> tuple[float, float]:
+        """Where metres are on the screen."""
+        box = self.page.locator("#canvas").bounding_box()
+        column, row = self.get(f"[troupe.camera.column({x}), troupe.camera.row({y})]")
+        return box["x"] + column, box["y"] + row
+
+    def pixel(self, x: float, y: float) -> list[int]:
+        """Red, green and blue at a place of the world, as the screen shows it."""
+        image = cv2.imdecode(np.frombuffer(self.page.screenshot(), np.uint8), cv2.IMREAD_COLOR)
+        column, row = self.place(x, y)
+        return [int(part) for part in image[round(row), round(column)][::-1]]
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float], **how: Any) -> None:
+        """Drag from one place of the world to another."""
+        mouse = self.page.mouse
+        mouse.move(*self.place(*start))
+        mouse.down(**how)
+        (x0, y0), (x1, y1) = self.place(*start), self.place(*end)
+        for part in (0.3, 0.6, 1.0):
+            mouse.move(x0 + part * (x1 - x0), y0 + part * (y1 - y0))
+        mouse.up(**how)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright_api.sync_playwright() as driver:
+        found = driver.chromium.launch(
+            executable_path=CHROMIUM,
+            args=["--no-sandbox", "--disable-dev-shm-usage"],
+            timeout=1000 * PATIENCE,
+        )
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def run(still: Path) -> Iterator[Watched]:
+    with watched(still, paused=True, realtime=20) as run:
+        yield run
+
+
+@pytest.fixture
+def page(browser: Any, run: Watched) -> Iterator[Page]:
+    context = browser.new_context(viewport={"width": 1100, "height": 720})
+    yield Page(context.new_page(), run.address)
+    context.close()
+
+
+def test_the_page_draws_what_the_run_knows(page: Page, run: Watched) -> None:
+    poses = page.get("Array.from(troupe.state.poses)")
+    assert poses == pytest.approx([2, 2, np.pi / 2, 8, 2, 0], abs=1e-6)
+    assert page.get("troupe.state.names") == ["anna", "berta"]
+    page.page.evaluate("troupe.toggle('sensors'); troupe.changed()")
+    page.until("(t) => !t.dirty")
+    red, green, blue = page.pixel(2 - 0.3, 2 - 0.3)  # in anna's body, beside her arrow
+    assert green > red + 60
+    assert green > blue + 60
+    red, green, blue = page.pixel(5, 4)  # the blue wall
+    assert blue > red + 60
+    red, green, blue = page.pixel(8, 6)  # the orange thing
+    assert red > green > blue
+    ground = page.pixel(1.3, 0.7)
+    assert min(ground) > 240
+
+
+def test_pause_holds_the_tick_and_step_moves_one(page: Page) -> None:
+    page.page.keyboard.press(".")
+    page.until("(t) => t.state.tick === 1")
+    page.page.click("#step")
+    page.until("(t) => t.state.tick === 2")
+    page.page.keyboard.press("p")
+    page.until("(t) => t.state.tick > 10 && !t.state.status.paused")
+    page.page.keyboard.press("p")
+    page.until("(t) => t.state.status.paused")
+    tick = page.get("troupe.state.tick")
+    moments = page.get("troupe.state.moments")
+    page.until("(t, then) => t.state.moments > then", moments)
+    assert page.get("troupe.state.tick") == tick
+    assert "Paused" in page.page.inner_text("#state")
+
+
+def test_keys_set_the_pace_as_in_stage(page: Page) -> None:
+    for key, pace in (("{", 1), ("]", 2), ("[", 1), ("[", 0.5), ("}", None)):
+        page.page.keyboard.press(key)
+        page.until("(t, pace) => t.state.status.pace === pace", pace)
+
+
+def test_a_drag_moves_a_robot_and_nothing_through_walls(page: Page) -> None:
+    page.drag((2, 2), (2, 6))
+    page.until("(t) => Math.abs(t.state.poses[1] - 6) < 0.1")
+    x, y = page.get("[troupe.state.poses[0], troupe.state.poses[1]]")
+    assert (x, y) == pytest.approx((2, 6), abs=0.05)  # a pixel is 0.01 m
+    page.drag((x, y), (5, 4))  # into the wall
+    page.until("(t) => document.querySelector('#notices p') !== null")
+    assert "no room" in page.page.inner_text("#notices")
+    now = page.get("[troupe.state.poses[0], troupe.state.poses[1]]")
+    assert abs(now[0] - 5) >= 1.0 or abs(now[1] - 4) >= 2.5
+    assert page.get("troupe.state.tick") == 0
+
+
+def test_a_right_drag_turns_it(page: Page) -> None:
+    page.drag((2, 2), (0.5, 2), button="right")
+    page.until("(t) => Math.abs(Math.abs(t.state.poses[2]) - Math.PI) < 0.05")
+    assert page.get("troupe.state.poses[0]") == 2
+
+
+def test_a_thing_is_moved_as_well(page: Page) -> None:
+    page.drag((8, 6), (7, 7))
+    page.until("(t) => Math.abs(t.state.things[0] - 7) < 0.1")
+
+
+def test_the_floor_is_panned_the_wheel_zooms_and_space_shows_all(page: Page) -> None:
+    start = page.get("[troupe.camera.x, troupe.camera.y, troupe.camera.scale]")
+    page.drag((1, 0.7), (3, 0.7))
+    x, _, scale = page.get("[troupe.camera.x, troupe.camera.y, troupe.camera.scale]")
+    assert x == pytest.approx(start[0] - 2, abs=0.05)
+    assert scale == start[2]
+    page.page.mouse.move(*page.place(8, 2))
+    before = page.place(8, 2)
+    page.page.mouse.wheel(0, -300)
+    page.until("(t, scale) => t.camera.scale > scale", scale)
+    assert page.place(8, 2) == pytest.approx(before, abs=1)  # what lies under the pointer stays
+    page.page.keyboard.press("Space")
+    assert page.get("[troupe.camera.x, troupe.camera.y, troupe.camera.scale]") == start
+
+
+def test_clicks_select_and_a_card_tells_what_a_robot_knows(page: Page) -> None:
+    page.page.mouse.click(*page.place(2, 2))
+    page.until("(t) => t.state.cards[0] !== undefined && document.querySelector('#card h2')")
+    card = page.page.inner_text("#card")
+    for text in ("anna", "2.00, 2.00 m, 90.0°", "laser: nearest", "bumper: 0 of 4 closed",
+                 "fiducial", "blobfinder", "Drive it"):  # fmt: skip
+        assert text in card
+    page.page.keyboard.down("Shift")
+    page.page.mouse.click(*page.place(8, 2))
+    page.page.keyboard.up("Shift")
+    assert page.get("[...troupe.view.selected]") == [0, 1]
+    page.page.mouse.click(*page.place(1, 0.7))
+    assert page.get("[...troupe.view.selected]") == []
+
+
+def test_arrows_drive_who_is_selected(page: Page) -> None:
+    page.page.fill("#robot", "berta")
+    page.page.press("#robot", "Enter")
+    page.until("(t) => t.state.cards[1] !== undefined")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("p")
+    page.page.keyboard.down("ArrowLeft")
+    page.until("(t) => t.state.poses[5] > 0.3")
+    page.page.keyboard.up("ArrowLeft")
+    page.until("(t) => t.state.cards[1].command[1].every((part) => part === 0)")
+
+
+def test_everything_can_be_done_by_keys_alone(page: Page) -> None:
+    for key in (",", ","):
+        page.page.keyboard.press(key)
+    assert page.get("[...troupe.view.selected]") == [1]
+    page.page.keyboard.press("Shift+ArrowUp")
+    page.until("(t) => Math.abs(t.state.poses[4] - 2.1) < 1e-5")
+    page.page.keyboard.press("q")
+    page.until("(t) => Math.abs(t.state.poses[5] - 0.1) < 1e-5")
+    page.page.keyboard.press("?")
+    assert page.page.is_visible("#help")
+    page.page.keyboard.press("Escape")
+    assert not page.page.is_visible("#help")
+    page.page.keyboard.press("d")
+    assert page.get("troupe.view.show.sensors") is False
+
+
+def test_nothing_is_loaded_from_elsewhere_and_nothing_complained_of(
+    page: Page, run: Watched
+) -> None:
+    page.page.mouse.click(*page.place(2, 2))
+    page.page.keyboard.press("p")
+    page.until("(t) => t.state.tick > 20")
+    page.page.click("#looks")
+    page.until("(t) => !t.dirty")
+    assert page.complaints == []
+    assert [url for url in page.requests if not url.startswith((run.address, "data:"))] == []
+
+
+@pytest.mark.parametrize("looks", ["light", "dark"])
+@pytest.mark.parametrize("width", [1100, 390])
+def test_axe_finds_nothing_that_shuts_people_out(
+    browser: Any, run: Watched, looks: str, width: int
+) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    context = browser.new_context(
+        viewport={"width": width, "height": 800}, color_scheme=looks, bypass_csp=True
+    )
+    page = Page(context.new_page(), run.address)
+    page.page.evaluate("troupe.hands.select([0])")
+    page.until("(t) => t.state.cards[0] !== undefined")
+    page.page.keyboard.press("?")
+    found = axe.Axe().run(page.page)
+    assert found.violations_count == 0, found.generate_report()
+    assert page.get("document.documentElement.scrollWidth") <= width
+    context.close()
+
+
+def test_when_the_run_is_over_the_page_says_so(browser: Any, still: Path) -> None:
+    with watched(still, paused=True, duration=1.0) as run:
+        context = browser.new_context()
+        page = Page(context.new_page(), run.address)
+        page.page.keyboard.press("p")
+        page.until("() => document.getElementById('state').textContent.includes('over')")
+        assert "completed" in page.page.inner_text("#state")
+        assert page.get("troupe.state.time") == 1.0
+        context.close()

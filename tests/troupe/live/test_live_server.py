@@ -1,0 +1,244 @@
+"""Who is let in, who is cut off, and that whoever watches changes nothing."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from watching import Viewer, watched
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+import troupe
+from sim.view.frames import STATUS
+from tests.patience import PATIENCE
+from troupe.live.entrance import answer, known_host
+from troupe.view_option import told_apart
+
+
+def get(address: str, path: str | None = None, **headers: str) -> http.client.HTTPResponse:
+    """Ask for a path at the view's address."""
+    parts = urlsplit(address)
+    assert parts.hostname is not None
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=PATIENCE)
+    connection.request("GET", parts.path if path is None else path, headers=headers)
+    return connection.getresponse()
+
+
+def test_the_page_is_served_below_its_token_and_nowhere_else(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        page = get(run.address)
+        assert page.status == 200
+        assert b"<canvas" in page.read()
+        assert "script-src 'self'" in (page.headers["Content-Security-Policy"] or "")
+        assert get(run.address, urlsplit(run.address).path + "main.js").status == 200
+        for path in ("/", "/wrong/", "/main.js", urlsplit(run.address).path + "../../etc/passwd"):
+            assert get(run.address, path).status == 404
+
+
+def test_no_page_of_another_site_gets_in(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        assert get(run.address, Host="evil.example").status == 421
+        assert get(run.address, Host="localhost:9999").status == 200  # as with ssh -L
+        for origin in ("http://evil.example", "null", "http://127.0.0.1:1"):
+            with pytest.raises(InvalidStatus):
+                Viewer(run.address, Origin=origin)
+        own = f"http://{urlsplit(run.address).netloc}"
+        assert Viewer(run.address, Origin=own).message().kind == 1
+        with pytest.raises(InvalidStatus):
+            Viewer(run.address.rstrip("/") + "x/")
+
+
+@pytest.mark.parametrize(
+    ("host", "bound", "known"),
+    [
+        ("127.0.0.1:7000", "127.0.0.1", True), ("localhost", "127.0.0.1", True),
+        ("[::1]:7000", "::1", True), ("rebound.example:7000", "127.0.0.1", False),
+        ("192.168.1.5:7000", "127.0.0.1", False), ("192.168.1.5:7000", "0.0.0.0", True),
+        ("rebound.example", "0.0.0.0", False), ("", "127.0.0.1", False),
+    ],
+)  # fmt: skip
+def test_only_hosts_that_are_this_machine_are_known(host: str, bound: str, known: bool) -> None:
+    assert known_host(host, bound) is known
+    found = answer("t", bound, "/t/", {"Host": host})
+    assert (found is not None and found.status == 200) is known
+
+
+def test_who_floods_is_cut_off_alone(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        other, flood = Viewer(run.address), Viewer(run.address)
+        with pytest.raises(ConnectionClosed):
+            flood.flood()
+        other.ask(do="step")
+        assert other.until(lambda m: m.tick == 1)
+
+
+@pytest.mark.parametrize(
+    "data", ["nonsense", b"\0\1\2", "x" * 100_000, '{"do": "fly"}', "[" * 4000]
+)
+def test_who_sends_garbage_is_cut_off_alone(still: Path, data: str | bytes) -> None:
+    with watched(still, paused=True) as run:
+        other, garbler = Viewer(run.address), Viewer(run.address)
+        garbler.socket.send(data)
+        with pytest.raises(ConnectionClosed):
+            garbler.until(lambda m: False)
+        other.ask(do="step")
+        assert other.until(lambda m: m.tick == 1)
+
+
+def test_bytes_that_are_no_http_hold_nobody_up(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        parts = urlsplit(run.address)
+        with socket.create_connection((parts.hostname, parts.port)) as raw:
+            raw.sendall(b"\xff" * 10_000)
+            viewer = Viewer(run.address)
+            viewer.ask(do="step")
+            assert viewer.until(lambda m: m.tick == 1)
+
+
+def test_who_may_only_watch_reaches_nothing(still: Path) -> None:
+    with watched(still, read_only=True, realtime=2) as run:
+        viewer = Viewer(run.address)
+        assert viewer.message().json(1)["read_only"] is True
+        viewer.ask(do="pause")
+        viewer.ask(do="put", robot=0, pose=[3.0, 5.0, 0.0])
+        viewer.ask(do="select", robots=[0])
+        found = viewer.until(lambda m: 17 in m.sections)
+        assert found.json(17)["0"]["name"] == "anna"
+        assert viewer.until(lambda m: m.tick > found.tick + 2).poses[0, 0] == 2.0
+    assert run.result().touched == []
+
+
+def test_a_selected_robot_shows_all_its_sensors_and_who_looks_changes_nothing(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="select", robots=[1])
+        found = viewer.until(lambda m: 17 in m.sections)
+        (fan,) = found.fans
+        assert (fan.robot, fan.sensor, len(fan.ranges)) == (1, 0, 91)
+        assert fan.ranges[45] == pytest.approx(2.0, abs=1e-6)  # to the wall at x = 10
+        card = found.json(17)["1"]
+        assert [sensor["kind"] for sensor in card["sensors"]] == [
+            "scan", "elements", "blobs", "fiducials", "bits",
+        ]  # fmt: skip
+        assert all(len(found.sections[number]) > 0 for number in (7, 8, 9, 10, 11))
+
+
+class Stopped(threading.Thread):
+    """A viewer that takes the scene and then stands, as in a debugger."""
+
+    def __init__(self, address: str) -> None:
+        super().__init__()
+        self.viewer = Viewer(address)
+        self.viewer.message()
+
+    def run(self) -> None:
+        pass
+
+
+class Slow(threading.Thread):
+    """A viewer that takes a moment only now and then: when `turn` others have been seen."""
+
+    def __init__(self, address: str, turn: int) -> None:
+        super().__init__(daemon=True)
+        self.viewer, self.turn, self.seen = Viewer(address), turn, 0
+
+    def run(self) -> None:
+        try:
+            while True:
+                self.viewer.message()
+                self.seen += 1
+        except ConnectionClosed:
+            pass
+
+
+@pytest.mark.parametrize("viewers", [0, 1, 5])
+def test_however_many_watch_the_digest_is_the_same(viewers: int) -> None:
+    alone = troupe.run("wander", duration=6.0)
+    with watched("wander", duration=6.0, paused=bool(viewers)) as run:
+        them = [Slow(run.address, 1) for _ in range(viewers)]
+        stopped = Stopped(run.address) if viewers else None
+        for viewer in them:
+            viewer.viewer.ask(do="select", robots=[0, 3])
+            viewer.start()
+        if stopped is not None:
+            stopped.viewer.ask(do="go")
+        result = run.result()
+    assert result.digest == alone.digest
+    assert all(viewer.seen > 1 for viewer in them)
+
+
+def test_what_the_run_ended_with_arrives() -> None:
+    with watched("wander", duration=1.0, paused=True) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="go")
+        last = viewer.until(
+            lambda m: STATUS in m.sections and m.json(STATUS)["outcome"] is not None
+        )
+        assert last.json(STATUS)["outcome"] == "completed"
+        assert last.tick == 10
+        with pytest.raises(ConnectionClosed) as caught:
+            viewer.message()
+    assert caught.value.rcvd is not None
+    assert caught.value.rcvd.reason == "the run is over"
+
+
+def test_without_a_view_there_is_no_server_and_nothing_of_it_is_loaded() -> None:
+    code = (
+        "import sys, troupe; troupe.run('wander', duration=0.2); "
+        "print([m for m in sys.modules if m.split('.')[0] == 'websockets' "
+        "or m.startswith(('troupe.live', 'asyncio'))])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+    assert done.stdout.strip() == "[]", done.stderr
+
+
+def test_the_command_tells_the_address_and_takes_one(tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    done = subprocess.run(
+        [sys.executable, "-m", "troupe", "run", "wander", "--duration", "0.5", "--json",
+         "--no-open", "--view", f"127.0.0.1:{port}"],
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert f"watch it at http://127.0.0.1:{port}/" in done.stderr
+    assert json.loads(done.stdout)["touched"] == []
+
+
+@pytest.mark.parametrize("address", ["nowhere.invalid:1", "127.0.0.1:99999", "127.0.0.1:1"])
+def test_an_address_that_cannot_be_had_is_bad_usage(address: str) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        if address == "127.0.0.1:1":
+            address = f"127.0.0.1:{taken.getsockname()[1]}"
+        done = subprocess.run(
+            [sys.executable, "-m", "troupe", "run", "wander", "--view", address, "--no-open"],
+            capture_output=True, text=True, timeout=PATIENCE, check=False,
+        )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert address in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_an_address_behind_view_is_told_from_a_world() -> None:
+    assert told_apart(["--view", "wander"]) == ["--view", "wander"]
+    assert told_apart(["w", "--view", "0.0.0.0:7000"]) == [
+        "w",
+        "--view",
+        "--view-at",
+        "0.0.0.0:7000",
+    ]
+    assert told_apart(["--view", "7000", "w"]) == ["--view", "--view-at", "7000", "w"]
+    assert told_apart(["--view=[::1]:7", "w"]) == ["--view", "--view-at", "[::1]:7", "w"]
+    assert told_apart(["--view", "--json", "7000"]) == ["--view", "--json", "7000"]

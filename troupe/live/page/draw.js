@@ -1,0 +1,203 @@
+// One moment on the canvas, in the video's style: paint and walls, trails, readings, bodies, texts.
+
+import { coat, css, inks, mix, tint } from "./colors.js";
+import { AWAITED, STALLED } from "./frames.js";
+import { Ground } from "./ground.js";
+import { drawReadings, drawSights } from "./readings.js";
+import { Shape, trace } from "./shapes.js";
+import { drawTexts } from "./texts.js";
+
+export class Painter {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d", { alpha: false });
+    this.ground = new Ground();
+    this.shapes = new Map();
+  }
+
+  shape(told) {
+    if (!this.shapes.has(told)) this.shapes.set(told, new Shape(told));
+    return this.shapes.get(told);
+  }
+
+  /** A robot's radius in pixels, as drawn. */
+  reach(state, robot, camera) {
+    const model = state.scene.models[state.models[robot]];
+    return model ? this.shape(model.shape).at(camera.scale).reach : 0;
+  }
+
+  draw(state, camera, view) {
+    const ratio = window.devicePixelRatio || 1, { context, canvas } = this;
+    const width = Math.round(camera.width * ratio), height = Math.round(camera.height * ratio);
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
+    const ink = inks(state.scene.palette, view.dark);
+    this.ground.draw(context, state, camera, ink, { ratio, grid: view.show.grid });
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    if (view.show.trails) this.#trails(state, camera, ink);
+    drawReadings(context, state, camera, ink, view);
+    this.#things(state, camera, ink);
+    this.#robots(state, camera, ink);
+    this.#selected(state, camera, ink, view);
+    drawSights(context, state, camera, ink, view, (robot) => this.reach(state, robot, camera));
+    this.#drawn(state, camera);
+    drawTexts(context, state, camera, ink, view, (robot) => this.reach(state, robot, camera));
+  }
+
+  #trails(state, camera, ink) {
+    const { context } = this;
+    context.lineWidth = 1.5;
+    context.lineJoin = "round";
+    state.trails.each(state.poses, (robot, points) => {
+      const color = mix(tint(ink, robot), ink.ink, 0.15);
+      const middle = 2 * Math.floor(points.length / 4);
+      for (const [from, to, pale] of [[0, middle, 0.55], [middle, points.length - 2, 0.15]]) {
+        context.strokeStyle = css(mix(color, ink.ground, pale));
+        context.beginPath();
+        for (let k = from; k <= to; k += 2) {
+          context.lineTo(camera.column(points[k]), camera.row(points[k + 1]));
+        }
+        context.stroke();
+      }
+    });
+  }
+
+  #things(state, camera, ink) {
+    state.scene.things.forEach(({ shape, color }, k) => {
+      if (3 * k >= state.things.length) return;
+      const [x, y, yaw] = state.things.subarray(3 * k, 3 * k + 3);
+      const colors = coat(ink, color, null, false), { context } = this;
+      const made = this.shape(shape).at(camera.scale);
+      context.beginPath();
+      trace(context, made.outline, camera.column(x), camera.row(y), yaw);
+      context.fillStyle = colors.fill;
+      context.fill();
+      context.strokeStyle = colors.edge;
+      context.lineWidth = 1;
+      context.stroke();
+    });
+  }
+
+  /** All bodies, batch by batch of one kind and coat: a thousand cost little more than ten. */
+  #robots(state, camera, ink) {
+    const batches = new Map(), { poses } = state, margin = 60;
+    for (let robot = 0; robot < state.count; robot++) {
+      const column = camera.column(poses[3 * robot]), row = camera.row(poses[3 * robot + 1]);
+      if (column < -margin || row < -margin || column > camera.width + margin ||
+          row > camera.height + margin) continue;
+      const model = state.models[robot], settled = state.settled(robot);
+      const made = this.shape(state.scene.models[model].shape).at(camera.scale);
+      const name = made.rimmed ? robot % ink.tints.length : -1;
+      const key = `${model},${state.colors[robot]},${name},${settled}`;
+      let batch = batches.get(key);
+      if (!batch) {
+        const colors = coat(ink, state.colors[robot], made.rimmed ? robot : null, settled);
+        batches.set(key, (batch = { made, colors, places: [] }));
+      }
+      batch.places.push(column, row, poses[3 * robot + 2]);
+    }
+    for (const { made, colors, places } of batches.values()) this.#batch(made, colors, places);
+  }
+
+  #batch(made, colors, places) {
+    const { context } = this;
+    const path = (points) => {
+      context.beginPath();
+      for (let k = 0; k < places.length; k += 3) {
+        trace(context, points, places[k], places[k + 1], places[k + 2]);
+      }
+    };
+    context.fillStyle = made.rimmed ? colors.rim : colors.fill;
+    if (!made.detailed) {
+      const side = 1.7 * made.reach;
+      for (let k = 0; k < places.length; k += 3) {
+        context.fillRect(places[k] - side / 2, places[k + 1] - side / 2, side, side);
+      }
+      return;
+    }
+    path(made.outline);
+    context.fill();
+    context.strokeStyle = colors.edge;
+    context.lineWidth = 1;
+    context.stroke();
+    if (!made.rimmed) return;
+    path(made.inner);
+    context.fillStyle = colors.fill;
+    context.fill();
+    path(made.arrow);
+    context.strokeStyle = colors.halo;
+    context.lineWidth = 2.5;
+    context.stroke();
+    context.fillStyle = colors.rim;
+    context.fill();
+  }
+
+  /** A ring about who is selected, and about whom the world waits for or who stalls. */
+  #selected(state, camera, ink, view) {
+    const { context } = this;
+    const ring = (robot, style, dash, gap) => {
+      const reach = this.reach(state, robot, camera) + gap;
+      context.beginPath();
+      context.arc(camera.column(state.poses[3 * robot]), camera.row(state.poses[3 * robot + 1]),
+                  reach, 0, 2 * Math.PI);
+      context.setLineDash(dash);
+      context.strokeStyle = style;
+      context.lineWidth = 2;
+      context.stroke();
+      context.setLineDash([]);
+    };
+    for (let robot = 0; robot < state.states.length; robot++) {
+      if (state.states[robot] & AWAITED) ring(robot, css(ink.ink), [2, 4], 7);
+      else if (state.states[robot] & STALLED) ring(robot, "#d55e00", [5, 3], 4);
+    }
+    for (const robot of view.selected) {
+      if (robot < state.count) ring(robot, view.dark ? "#7cc4ff" : "#0060a0", [], 3);
+    }
+    if (view.ghost) {
+      const { shape, x, y, yaw, fits } = view.ghost;
+      context.beginPath();
+      trace(context, this.shape(shape).at(camera.scale).outline, camera.column(x), camera.row(y),
+            yaw);
+      context.strokeStyle = fits ? css(ink.ink) : "#d55e00";
+      context.setLineDash([4, 3]);
+      context.stroke();
+      context.setLineDash([]);
+    }
+  }
+
+  /** Figures of Player's graphics2d, in their robots' frames. */
+  #drawn(state, camera) {
+    const { context } = this;
+    for (const { robot, kind, points, color, fill } of state.drawn) {
+      const [x, y, yaw] = state.poses.subarray(3 * robot, 3 * robot + 3);
+      const cos = Math.cos(yaw), sin = Math.sin(yaw);
+      const at = points.map(([px, py]) => [camera.column(x + cos * px - sin * py),
+                                           camera.row(y + sin * px + cos * py)]);
+      context.strokeStyle = context.fillStyle = css(color);
+      context.lineWidth = 1;
+      context.beginPath();
+      if (kind === "points") {
+        for (const [column, row] of at) {
+          context.moveTo(column + 2, row);
+          context.arc(column, row, 2, 0, 2 * Math.PI);
+        }
+        context.fill();
+        continue;
+      }
+      at.forEach(([column, row], k) => {
+        if (k === 0 || (kind === "multiline" && k % 2 === 0)) context.moveTo(column, row);
+        else context.lineTo(column, row);
+      });
+      if (kind === "polygon") {
+        context.closePath();
+        if (fill !== null) {
+          context.fillStyle = css(fill);
+          context.fill();
+        }
+      }
+      context.stroke();
+    }
+  }
+}

@@ -1,0 +1,138 @@
+// What never moves, drawn once for each place of the camera; and the paint on it.
+
+import { css, mix, soften } from "./colors.js";
+
+const STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000], APART = 24;
+const STRENGTH = 0.5;
+
+export class Ground {
+  constructor() {
+    this.floor = document.createElement("canvas");
+    this.walls = document.createElement("canvas");
+    this.key = "";
+  }
+
+  /** Floor with its grid, then paint, then walls. */
+  draw(context, state, camera, ink, { ratio, grid }) {
+    const key = `${camera.key},${ratio},${grid},${ink.ground},${state.scene.begun}`;
+    if (key !== this.key) {
+      this.key = key;
+      this.#render(state.scene, camera, ink, ratio, grid);
+    }
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.drawImage(this.floor, 0, 0);
+    if (state.paint) {
+      camera.apply(context, ratio);
+      this.#paint(context, state, ink);
+      context.setTransform(1, 0, 0, 1, 0, 0);
+    }
+    context.drawImage(this.walls, 0, 0);
+  }
+
+  #render(scene, camera, ink, ratio, grid) {
+    for (const canvas of [this.floor, this.walls]) {
+      canvas.width = Math.round(camera.width * ratio);
+      canvas.height = Math.round(camera.height * ratio);
+    }
+    const [width, height] = scene.size;
+    const floor = this.floor.getContext("2d"), pixel = 1 / camera.scale;
+    floor.fillStyle = css(ink.outside);
+    floor.fillRect(0, 0, this.floor.width, this.floor.height);
+    camera.apply(floor, ratio);
+    floor.fillStyle = css(ink.ground);
+    floor.fillRect(0, 0, width, height);
+    if (grid) {
+      const step = STEPS.find((metres) => metres * camera.scale >= APART) ?? 1000;
+      floor.strokeStyle = css(ink.grid);
+      floor.lineWidth = pixel;
+      floor.beginPath();
+      for (let x = step; x < width - step / 100; x += step) line(floor, x, 0, x, height);
+      for (let y = step; y < height - step / 100; y += step) line(floor, 0, y, width, y);
+      floor.stroke();
+    }
+    for (const door of scene.doors) {
+      outline(floor, door.flat());
+      floor.fillStyle = css(mix(ink.ground, ink.soft_ink, 0.12));
+      floor.fill();
+      floor.strokeStyle = css(ink.soft_ink);
+      floor.lineWidth = pixel;
+      floor.stroke();
+    }
+    const walls = this.walls.getContext("2d");
+    camera.apply(walls, ratio);
+    const [left, bottom] = camera.metres(0, camera.height);
+    const [right, top] = camera.metres(camera.width, 0);
+    const colors = new Map();
+    for (const solid of scene.solids) {
+      const [x0, y0, x1, y1] = (solid.box ??= box(solid.points));
+      if (x1 < left || x0 > right || y1 < bottom || y0 > top) continue;
+      if (!colors.has(solid.color)) colors.set(solid.color, []);
+      colors.get(solid.color).push(solid.points);
+    }
+    for (const [color, shapes] of colors) {
+      walls.beginPath();
+      for (const points of shapes) outline(walls, points, true);
+      // A hair's breadth of the same colour closes the seams between blocks of a map.
+      walls.fillStyle = walls.strokeStyle = css(soften(color));
+      walls.lineWidth = 0.5 * pixel;
+      walls.fill();
+      walls.stroke();
+    }
+  }
+
+  #paint(context, state, ink) {
+    const { columns, rows, resolution } = state.scene.floor;
+    if (!this.paint || this.scene !== state.scene || this.painting !== ink.ground) {
+      this.scene = state.scene;
+      this.painting = ink.ground;
+      this.paint = document.createElement("canvas");
+      this.paint.width = columns;
+      this.paint.height = rows;
+      this.image = this.paint.getContext("2d");
+      this.pixels = this.image.createImageData(columns, rows);
+      state.painted = [[0, columns * rows]];
+    }
+    if (state.painted.length) {
+      const words = new Uint32Array(this.pixels.data.buffer);
+      const tints = ink.tints.map((color) => little(mix(ink.ground, color, STRENGTH)));
+      for (const [first, length] of state.painted) {
+        for (let cell = first; cell < first + length; cell++) {
+          const owner = state.paint[cell];
+          words[cell] = owner ? tints[(owner - 1) % tints.length] : 0;
+        }
+      }
+      state.painted = [];
+      this.image.putImageData(this.pixels, 0, 0);
+    }
+    // Row 0 lies at y = 0, and the context's y axis points up: the image stands as it should.
+    context.imageSmoothingEnabled = false;
+    context.drawImage(this.paint, 0, 0, columns * resolution, rows * resolution);
+  }
+}
+
+/** 0xRRGGBB as a pixel of image data, opaque. */
+const little = (color) =>
+  (0xff000000 | ((color & 255) << 16) | (color & 0xff00) | (color >> 16)) >>> 0;
+
+function line(context, x0, y0, x1, y1) {
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+}
+
+function outline(context, points, further = false) {
+  if (!further) context.beginPath();
+  context.moveTo(points[0], points[1]);
+  for (let k = 2; k < points.length; k += 2) context.lineTo(points[k], points[k + 1]);
+  context.closePath();
+}
+
+function box(points) {
+  const found = [Infinity, Infinity, -Infinity, -Infinity];
+  for (let k = 0; k < points.length; k += 2) {
+    found[0] = Math.min(found[0], points[k]);
+    found[1] = Math.min(found[1], points[k + 1]);
+    found[2] = Math.max(found[2], points[k]);
+    found[3] = Math.max(found[3], points[k + 1]);
+  }
+  return found;
+}

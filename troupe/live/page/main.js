@@ -1,0 +1,193 @@
+// The page put together: what comes is drawn at the screen's pace, and told when it has been drawn.
+
+import { Camera } from "./camera.js";
+import { Card } from "./card.js";
+import { inks } from "./colors.js";
+import { Painter } from "./draw.js";
+import { Hands } from "./hands.js";
+import { Link } from "./link.js";
+import { savePicture, savePoses } from "./save.js";
+import { State } from "./state.js";
+import { Strip } from "./strip.js";
+import { printable } from "./texts.js";
+
+const find = (id) => document.getElementById(id);
+const MOST_LISTED = 500;
+
+const page = {
+  state: new State(),
+  camera: new Camera(),
+  canvas: find("canvas"),
+  painter: new Painter(find("canvas")),
+  view: {
+    dark: matchMedia("(prefers-color-scheme: dark)").matches,
+    show: {}, selected: new Set(), ghost: null, readOnly: false,
+  },
+  changed() { page.dirty = true; },
+  toggle(layer) {
+    const box = document.querySelector(`#layers input[name=${layer}]`);
+    box.checked = !box.checked;
+    page.view.show[layer] = box.checked;
+  },
+  help() {
+    const shown = find("help").hidden;
+    find("help").hidden = !shown;
+    find("keys").setAttribute("aria-expanded", String(shown));
+  },
+  escape() {
+    if (!find("help").hidden) page.help();
+    else hands.select([]);
+    page.canvas.focus();
+  },
+  drawn: 0,
+  dirty: false,
+};
+
+const strip = new Strip(find);
+let unseen = 0, over = false;
+
+page.link = new Link({
+  open() { say("Connected."); },
+  closed(reason) { if (!over) say(reason ? `The connection has ended: ${printable(reason)}.` : "The connection has ended."); },
+  notices(lines) {
+    const box = find("notices");
+    box.replaceChildren(...lines.slice(-3).map((line) => {
+      const p = document.createElement("p");
+      p.textContent = printable(line, 300);
+      return p;
+    }));
+    clearTimeout(page.clearing);
+    page.clearing = setTimeout(() => box.replaceChildren(), 6000);
+  },
+  scene(message) {
+    page.state.begin(message);
+    const { scene } = page.state;
+    scene.begun = performance.now();
+    over = false;
+    page.view.readOnly = scene.read_only;
+    document.title = `${scene.title} · Troupe`;
+    find("title").textContent = printable(scene.title, 80);
+    find("seed").value = scene.seed;
+    find("again").hidden = !scene.again || scene.read_only;
+    for (const id of ["go", "step", "slower", "faster", "real", "flat"]) {
+      find(id).disabled = scene.read_only;
+    }
+    size();
+    page.camera.reset(scene.size);
+    if (page.view.selected.size) hands.select(page.view.selected);
+    page.changed();
+  },
+  moment(message) {
+    unseen += 1;
+    page.state.take(message, performance.now());
+    if (message.entered) list();
+    page.changed();
+  },
+});
+
+const hands = (page.hands = new Hands(page));
+const card = new Card(find("card"), (robot, twist) => page.link.ask({ do: "drive", robot, twist }));
+
+/** Once a picture: draw what is new, and say so, so that more may come. */
+function frame(now) {
+  const { state, view, camera } = page;
+  if (page.dirty && state.scene) {
+    page.dirty = false;
+    if (view.show.follow && view.selected.size) {
+      const robot = [...view.selected].at(-1);
+      if (robot < state.count) {
+        [camera.x, camera.y] = state.poses.subarray(3 * robot, 3 * robot + 2);
+        camera.whole = false;
+      }
+    }
+    page.painter.draw(state, camera, view);
+    const ink = inks(state.scene.palette, view.dark);
+    card.show(state, view.selected.size ? [...view.selected].at(-1) : null, ink, view.selected.size);
+    strip.show(state, view.dark ? "#7cc4ff" : "#0060a0", now);
+    buttons();
+    page.drawn = state.moments;
+  }
+  for (; unseen > 0; unseen--) page.link.ask({ do: "seen" });
+  requestAnimationFrame(frame);
+}
+
+function buttons() {
+  const { status } = page.state;
+  put(find("go"), status.paused ? "Go on" : "Pause");
+  const pace = status.pace;
+  put(find("pace"), pace === null || pace === undefined ? "flat out" : `${pace} ×`);
+  const { state } = page;
+  if (status.outcome) {
+    over = true;
+    say(`The run is over: ${status.outcome.replace("_", " ")}.`);
+  } else if (status.paused) say(`Paused at ${state.time.toFixed(2)} s, tick ${state.tick}.`);
+  else if (status.waiting?.length) say(`Waiting for ${status.waiting[0][0]}.`);
+  else say("Running.");
+}
+
+function put(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}
+
+function say(text) { put(find("state"), text); }
+
+/** The robots' names, for whoever types one. */
+function list() {
+  const names = page.state.names.slice(0, MOST_LISTED);
+  find("names").replaceChildren(...names.map((name) => {
+    const option = document.createElement("option");
+    option.value = name;
+    return option;
+  }));
+}
+
+function size() {
+  const { width, height } = find("stage").getBoundingClientRect();
+  page.camera.resize(width, height);
+  page.changed();
+}
+
+function looks() {
+  document.documentElement.dataset.looks = page.view.dark ? "dark" : "light";
+  find("looks").setAttribute("aria-pressed", String(page.view.dark));
+  page.changed();
+}
+
+for (const box of document.querySelectorAll("#layers input")) {
+  page.view.show[box.name] = box.checked;
+  box.onchange = () => {
+    page.view.show[box.name] = box.checked;
+    page.changed();
+  };
+}
+find("go").onclick = () => hands.toggle();
+find("step").onclick = () => hands.step();
+find("slower").onclick = () => hands.shift(-1);
+find("faster").onclick = () => hands.shift(1);
+find("real").onclick = () => hands.pace(1);
+find("flat").onclick = () => hands.pace(null);
+find("picture").onclick = () => savePicture(page.canvas, `troupe-${page.state.time.toFixed(1)}`);
+find("poses").onclick = () => savePoses(page.state, `troupe-${page.state.time.toFixed(1)}`);
+find("keys").onclick = () => page.help();
+find("looks").onclick = () => {
+  page.view.dark = !page.view.dark;
+  looks();
+};
+find("again").onsubmit = (event) => {
+  event.preventDefault();
+  const seed = find("seed").value.trim();
+  if (seed === "") page.link.ask({ do: "again" });
+  else if (/^\d{1,15}$/.test(seed)) page.link.ask({ do: "again", seed: Number(seed) });
+  else say("A seed is a whole number.");
+};
+find("find").onsubmit = (event) => {
+  event.preventDefault();
+  const robot = page.state.names.indexOf(find("robot").value.trim());
+  if (robot >= 0) hands.select([robot]);
+  else say("There is no robot of that name.");
+};
+if (innerWidth <= 720) find("layers").open = false;
+new ResizeObserver(size).observe(find("stage"));
+looks();
+requestAnimationFrame(frame);
+window.troupe = page;   // for those who look at the page with a program

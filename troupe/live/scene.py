@@ -1,0 +1,82 @@
+"""What of a run does not change, as the page gets it once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.filming import backdrop_of
+from sim.stage.geometry import outline
+from sim.video import palette
+from sim.view.moment import Scene
+
+if TYPE_CHECKING:
+    from sim.engine import Engine
+    from sim.worldfile import LoadedWorld
+
+MOST_FANS = 32
+"""Robots up to which the readings of all of them show; of more, those of who is selected."""
+
+
+def scene_of(engine: Engine, *, again: bool) -> Scene:
+    """The scene of a run; `again`: whether a page may have it begun again."""
+    loaded, floor = engine.loaded, engine.scenery.floor
+    backdrop = backdrop_of(loaded)
+    world = loaded.world
+    about = {
+        "title": backdrop.title,
+        "size": list(backdrop.size),
+        "doors": [np.asarray(door).round(4).tolist() for door in backdrop.doors],
+        "models": {name: model_of(model) for name, model in world.models.items()},
+        "things": [
+            {"shape": shape_of(movable.body), "color": movable.color}
+            for movable in loaded.layout.movables
+        ],
+        "floor": floor_of(loaded, floor.resolution),
+        "interval": engine.interval,
+        "duration": engine.settings.duration,
+        "seed": engine.settings.seed,
+        "again": again,
+        "most_fans": MOST_FANS,
+        "palette": {
+            "tints": list(palette.TINTS),
+            "ground": palette.GROUND,
+            "outside": palette.OUTSIDE,
+            "grid": palette.GRID,
+            "ink": palette.INK,
+            "soft_ink": palette.SOFT_INK,
+        },
+    }
+    return Scene(about, backdrop.solids)
+
+
+def floor_of(loaded: LoadedWorld, resolution: float) -> dict[str, Any]:
+    """The cells of the paint layer."""
+    width, height = loaded.layout.size
+    columns, rows = (max(1, int(np.ceil(side / resolution - 1e-9))) for side in (width, height))
+    return {"resolution": resolution, "columns": columns, "rows": rows}
+
+
+def model_of(model: Any) -> dict[str, Any]:
+    """What a page needs to know of a model."""
+    drive = model.drive
+    return {
+        "shape": shape_of(model.body),
+        "color": model.body.color,
+        "fiducial": model.fiducial,
+        "drive": None
+        if drive is None
+        else {
+            "kind": drive.kind,
+            "max_speed": drive.max_speed,
+            "max_turn_rate": float(np.radians(drive.max_turn_rate)),
+        },
+    }
+
+
+def shape_of(body: Any) -> dict[str, Any]:
+    """A body's outline: a radius, or corners in its frame."""
+    if body.shape == "circle":
+        return {"radius": body.radius}
+    return {"corners": np.asarray(outline(body), float).round(6).tolist()}

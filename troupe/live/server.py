@@ -1,0 +1,284 @@
+"""The pages' connections, served by a thread of their own: each gets moments at its own pace.
+
+A page tells when it has drawn a moment, and has at most two under way: one that stands in a
+debugger, or at the end of a slow line, gets fewer, holds nobody up, and costs one moment's memory.
+One that floods, or sends what no page sends, is cut off; the others do not notice.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import secrets
+import socket
+import threading
+from http import HTTPStatus
+from time import monotonic, thread_time
+from typing import Any
+
+from websockets.asyncio.server import Server as Listening
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+
+from sim.view.frames import Told, encode_moment, encode_scene
+from sim.view.moment import Scene
+from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
+from troupe.live.entrance import answer
+from troupe.live.exchange import Exchange
+
+MOST_VIEWERS = 32
+LONGEST_ASK = 4096
+"""Bytes of a page's message; a longer one ends its connection."""
+RATE, BURST = 240.0, 480.0
+"""Messages a second that a page may send for long, and at once."""
+UNDER_WAY = 2
+"""Moments that a page has been sent and has not drawn yet."""
+LAST_WORDS = 2.0
+"""Wall-clock seconds within which pages are to have taken what a run ended with."""
+POLICY, GOING_AWAY = 1008, 1001
+"""Codes by which a WebSocket is closed: what was sent is not allowed; we go."""
+START_LIMIT = 60.0
+
+
+class Viewer:
+    """One page: what it has been told, and what it may be sent."""
+
+    def __init__(self, line: ServerConnection) -> None:
+        self.line = line
+        self.told = Told()
+        self.scenes = 0
+        self.moments = 0
+        self.notices = 0
+        self.under_way = 0
+        self.selected: tuple[int, ...] = ()
+        self.drives: set[int] = set()
+        """Robots that it drives: they stop when it goes."""
+        self.news = asyncio.Event()
+        self.credit = BURST
+        self.counted = monotonic()
+
+    @property
+    def hungry(self) -> bool:
+        """Whether it has drawn what it was sent."""
+        return self.under_way < UNDER_WAY
+
+    def affords(self) -> bool:
+        """Count one message; whether it keeps to the rate."""
+        now = monotonic()
+        self.credit = min(BURST, self.credit + RATE * (now - self.counted)) - 1.0
+        self.counted = now
+        return self.credit >= 0.0
+
+
+class LiveServer:
+    """Serves the page and the exchange's moments."""
+
+    def __init__(self, exchange: Exchange, *, read_only: bool = False) -> None:
+        self.exchange = exchange
+        self.read_only = read_only
+        self.token = secrets.token_urlsafe(16)
+        self.bound = ""
+        self.port = 0
+        self.viewers: set[Viewer] = set()
+        self._encoded: tuple[Scene | None, bytes] = (None, b"")
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="live", daemon=True)
+        self._listening: Listening | None = None
+        self._spent = 0.0
+
+    def open(self, host: str, port: int) -> None:
+        """Listen at an address, port 0 for any free one; raises OSError where it cannot be had."""
+        self.bound = host
+        self._thread.start()
+        try:
+            self._wait(self._open(host, port), START_LIMIT)
+        except BaseException as error:
+            self._stop()
+            if isinstance(error, OSError) and not isinstance(error, socket.gaierror):
+                why = os.strerror(error.errno) if error.errno else str(error)
+                raise OSError(error.errno, f"cannot listen on {host}:{port}: {why}") from None
+            raise
+        self.exchange.ring = self._ring
+
+    @property
+    def address(self) -> str:
+        """What a browser on this machine is to open."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.bound, self.bound)
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/{self.token}/"
+
+    def close(self) -> None:
+        """Let pages have the last moment, then end all connections."""
+        self.exchange.ring = lambda: None
+        with contextlib.suppress(TimeoutError):
+            self._wait(self._close(), LAST_WORDS + START_LIMIT)
+        self._stop()
+
+    # -- the server's thread ----------------------------------------------------------------
+
+    async def _open(self, host: str, port: int) -> None:
+        self._listening = await serve(
+            self._view,
+            host,
+            port,
+            process_request=self._entrance,
+            compression=None,  # memory and time for each viewer; the bytes go through loopback
+            max_size=LONGEST_ASK,
+            max_queue=16,
+            write_limit=1 << 16,
+            ping_interval=20,
+            ping_timeout=60,
+            close_timeout=1,
+            server_header=None,
+        )
+        self.port = next(iter(self._listening.sockets)).getsockname()[1]
+
+    async def _close(self) -> None:
+        self._wake_all()
+        until = monotonic() + LAST_WORDS
+        late = [self._is_done(viewer, until) for viewer in self.viewers]
+        await asyncio.gather(*late)
+        closing = [viewer.line.close(GOING_AWAY, "the run is over") for viewer in self.viewers]
+        await asyncio.gather(*closing, return_exceptions=True)
+        if self._listening is not None:
+            self._listening.close()
+            await self._listening.wait_closed()
+
+    async def _is_done(self, viewer: Viewer, until: float) -> None:
+        """Wait until a viewer has the last moment, or the time is up."""
+        while viewer in self.viewers and monotonic() < until:
+            if viewer.moments == self.exchange.moments and not viewer.under_way:
+                return
+            await asyncio.sleep(0.01)
+
+    def _entrance(self, line: ServerConnection, request: Request) -> Response | None:
+        """Answer plain HTTP; None lets a WebSocket through."""
+        found = answer(self.token, self.bound, request.path, request.headers)
+        if found is None and len(self.viewers) >= MOST_VIEWERS:
+            return line.respond(HTTPStatus.SERVICE_UNAVAILABLE, "Enough are watching.\n")
+        if found is None:
+            return None
+        headers = Headers(
+            {
+                "Content-Type": found.kind,
+                "Content-Length": str(len(found.body)),
+                "Cache-Control": "no-store",
+                "Referrer-Policy": "no-referrer",
+                "X-Content-Type-Options": "nosniff",
+                "Connection": "close",
+            }
+        )
+        if found.policy:
+            headers["Content-Security-Policy"] = found.policy
+        return Response(found.status, found.status.phrase, headers, found.body)
+
+    async def _view(self, line: ServerConnection) -> None:
+        """One page, from its coming to its going."""
+        viewer = Viewer(line)
+        self.viewers.add(viewer)
+        self._count_hungry()
+        sending = asyncio.create_task(self._feed(viewer))
+        try:
+            async for text in line:
+                if not viewer.affords():
+                    await line.close(POLICY, "too many messages")
+                    break
+                try:
+                    self._obey(viewer, parse_ask(text))
+                except Malformed as error:
+                    await line.close(POLICY, f"not understood: {error}")
+                    break
+        except ConnectionClosed:
+            pass
+        finally:
+            self.viewers.discard(viewer)
+            sending.cancel()
+            for robot in viewer.drives:
+                self.exchange.ask(Ask("drive", robot, (0.0, 0.0, 0.0)))
+            self._select()
+            self._count_hungry()
+
+    def _obey(self, viewer: Viewer, ask: Ask) -> None:
+        if ask.do == "seen":
+            viewer.under_way = max(0, viewer.under_way - 1)
+            viewer.news.set()
+            self._count_hungry()
+        elif ask.do == "select":
+            viewer.selected = ask.robots
+            self._select()
+            self.exchange.wake()
+        elif not (self.read_only and ask.do in DOINGS):
+            if ask.do == "drive":
+                (viewer.drives.add if any(ask.numbers) else viewer.drives.discard)(ask.robot)
+            self.exchange.ask(ask)
+
+    async def _feed(self, viewer: Viewer) -> None:
+        """Send a page what is new whenever it has drawn what it got."""
+        exchange, send = self.exchange, viewer.line.send
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                scene, moment = exchange.scene, exchange.moment
+                messages: list[Any] = []
+                if viewer.scenes != exchange.scenes and scene is not None:
+                    viewer.scenes, viewer.moments, viewer.told = exchange.scenes, -1, Told()
+                    messages.append(self._scene(scene))
+                if viewer.notices != exchange.notices:
+                    viewer.notices = exchange.notices
+                    messages.append(json.dumps({"notices": exchange.said}))
+                fresh = viewer.moments != exchange.moments and viewer.scenes == exchange.scenes
+                if moment is not None and fresh and viewer.hungry:
+                    viewer.moments = exchange.moments
+                    viewer.under_way += 1
+                    messages.append(encode_moment(moment, viewer.told, viewer.selected))
+                self._count_hungry()
+                if not messages:
+                    await viewer.news.wait()
+                    viewer.news.clear()
+                for message in messages:
+                    await send(message)
+                self._count_cost()
+
+    def _scene(self, scene: Scene) -> bytes:
+        """The scene's message: the same for all."""
+        if self._encoded[0] is not scene:
+            about = {**scene.about, "read_only": self.read_only}
+            self._encoded = scene, encode_scene(Scene(about, scene.solids))
+        return self._encoded[1]
+
+    def _select(self) -> None:
+        chosen = [viewer.selected for viewer in self.viewers]
+        self.exchange.selected = frozenset(robot for robots in chosen for robot in robots)
+
+    def _count_hungry(self) -> None:
+        """A moment is wanted where somebody has drawn the latest, and will take the next."""
+        latest, hungry = self.exchange.moments, False
+        for viewer in self.viewers:
+            hungry |= viewer.hungry and (viewer.moments == latest or self.exchange.moment is None)
+        self.exchange.hungry = hungry
+
+    def _count_cost(self) -> None:
+        """What this thread has done is to be a small part of all."""
+        now = thread_time()
+        self.exchange.spend(now - self._spent)
+        self._spent = now
+
+    def _wake_all(self) -> None:
+        for viewer in self.viewers:
+            viewer.news.set()
+
+    # -- other threads ----------------------------------------------------------------------
+
+    def _ring(self) -> None:
+        self._loop.call_soon_threadsafe(self._wake_all)
+
+    def _wait(self, work: Any, limit: float) -> None:
+        asyncio.run_coroutine_threadsafe(work, self._loop).result(limit)
+
+    def _stop(self) -> None:
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(START_LIMIT)
+        if not self._thread.is_alive():
+            self._loop.close()
