@@ -118,6 +118,26 @@ def test_mistakes_are_refused_with_a_reason():
         stage.suite.sense(1, 0.1, np.array([True]))
 
 
+@pytest.mark.parametrize("fov", [90, 180, 360])
+def test_sensors_that_are_cast_together_read_what_each_reads_alone(fov):
+    laser, camera = LASER | {"fov": fov, "samples": 37}, CAMERA | {"fov": fov, "pose": [0, 0, 0]}
+    both, lasers, cameras = room(4, laser, camera), room(4, laser), room(4, camera)
+    only_lasers = np.array([True, False] * 4)
+    for tick, wanted in enumerate([None, only_lasers, None]):
+        both.sense(tick, wanted=wanted)
+        lasers.sense(tick)
+        if wanted is None:
+            cameras.sense(tick)
+        for robot in range(4):
+            scan, alone = both.data(robot, 0), lasers.data(robot, 0)
+            assert (scan.hits >= 0).any()
+            np.testing.assert_array_equal(scan.ranges, alone.ranges)
+            np.testing.assert_array_equal(scan.hits, alone.hits)
+            blobs = both.data(robot, 1).seen(0)
+            assert len(blobs) > 0
+            np.testing.assert_array_equal(blobs, cameras.data(robot, 0).seen(0))
+
+
 def test_a_robot_without_sensors_is_a_robot():
     stage = Stage()
     stage.robot(0, 0, 0)
