@@ -18,8 +18,7 @@ from pydantic import Field
 from .compiled import compiled
 from .grid import Floats, Ints
 from .picture import Hits
-from .rays import cast_fans, fan_of
-from .readings import Blobs
+from .readings import Blobs, Fan
 from .registry import sensor
 from .scene import Colors
 from .settings import Color, Count, Number, SensorSettings, setting
@@ -52,24 +51,25 @@ def _channels(colors: tuple[int, ...]) -> Colors:
     return np.array(colors, np.uint32)
 
 
-@sensor("blobfinder", kind="blobs", settings=BlobfinderSettings, readings=_empty, threads=True)
+def _fan(settings: BlobfinderSettings, blobs: Blobs) -> Fan:
+    assert blobs.columns is not None
+    assert blobs.hits is not None
+    return Fan(math.radians(settings.fov), settings.range, blobs.columns, blobs.hits)
+
+
+@sensor(
+    "blobfinder",
+    kind="blobs",
+    settings=BlobfinderSettings,
+    readings=_empty,
+    fan=_fan,
+    threads=True,
+)
 def sense_blobs(settings: BlobfinderSettings, view: View, blobs: Blobs) -> None:
     """Runs of one colour in a camera's image, with their range."""
     scene, columns, hits = view.scene, blobs.columns, blobs.hits
     assert columns is not None
     assert hits is not None
-    fov = math.radians(settings.fov)
-    cast_fans(
-        scene.arrays,
-        view.origins,
-        view.entities,
-        view.rows,
-        fan_of(fov, blobs.width),
-        fov,
-        settings.range,
-        columns,
-        hits,
-    )
     find_blobs(
         columns,
         hits,
@@ -77,7 +77,7 @@ def sense_blobs(settings: BlobfinderSettings, view: View, blobs: Blobs) -> None:
         scene.colors,
         scene.heights,
         _channels(settings.colors),
-        fov,
+        math.radians(settings.fov),
         blobs.height,
         blobs.blobs,
         blobs.counts,

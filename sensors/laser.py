@@ -1,13 +1,12 @@
 """The laser: a scan of ranges, with Gaussian noise if wanted."""
 
 import math
-from typing import Self
+from typing import Any, Self
 
 from pydantic import model_validator
 
 from .noise import add_range_noise
-from .rays import cast_fans, fan_of
-from .readings import Scans, too_near
+from .readings import Fan, Scans, too_near
 from .registry import sensor
 from .settings import Count, Number, SensorSettings, check_min_range, setting
 from .view import View
@@ -40,10 +39,14 @@ def _empty(settings: LaserSettings, n: int) -> Scans:
     return Scans.empty(n, settings.samples, math.radians(settings.fov), settings.range)
 
 
-@sensor("laser", kind="scan", settings=LaserSettings, readings=_empty, threads=True)
+def fan_of(settings: Any, scans: Any) -> Fan | None:
+    """The rays of a scan."""
+    return Fan(scans.fov, scans.max_range, scans.ranges, scans.hits)
+
+
+@sensor("laser", kind="scan", settings=LaserSettings, readings=_empty, fan=fan_of, threads=True)
 def sense_laser(settings: LaserSettings, view: View, scans: Scans) -> None:
     """Ranges to the nearest thing along each ray of a fan."""
-    cast_scans(view, scans)
     if settings.noise > 0.0:
         add_range_noise(
             scans.ranges,
@@ -55,19 +58,3 @@ def sense_laser(settings: LaserSettings, view: View, scans: Scans) -> None:
             settings.range,
         )
     too_near(scans.ranges, view.rows, settings.min_range)
-
-
-def cast_scans(view: View, scans: Scans) -> None:
-    """Cast the fans of a batch, without noise, into its scans."""
-    scene = view.scene
-    cast_fans(
-        scene.arrays,
-        view.origins,
-        view.entities,
-        view.rows,
-        fan_of(scans.fov, scans.ranges.shape[1]),
-        scans.fov,
-        scans.max_range,
-        scans.ranges,
-        scans.hits,
-    )

@@ -26,16 +26,18 @@ class Odometry:
 
     def __init__(self, seed: int) -> None:
         self.seed = seed
-        self.poses: Floats = np.zeros((0, 3))
-        """(n, 3) the last reported x, y in metres and yaw in [-pi, pi)."""
+        self._count = 0
+        self._reported = np.zeros((0, 3))  # these have room for more robots than there are
         self._true = np.zeros((0, 3))  # true poses at the last update
         self._frames = np.zeros((0, 3))  # exact odometry: the frame's origin in the world
         self._gps = np.zeros(0, np.bool_)
         self._errors = np.zeros((0, 2))  # slip, turn
         self._keys: Keys = np.zeros(0, np.uint64)
+        self.poses: Floats = self._reported
+        """(n, 3) the last reported x, y in metres and yaw in [-pi, pi)."""
 
     def __len__(self) -> int:
-        return len(self.poses)
+        return self._count
 
     def add_robot(
         self,
@@ -56,18 +58,25 @@ class Odometry:
         """
         if not (slip >= 0.0 and turn >= 0.0 and math.isfinite(slip + turn)):
             raise ValueError(f"odometry noise must not be negative: slip {slip}, turn {turn}")
-        true = np.array(pose, np.float64).reshape(1, 3)
-        frame = np.zeros((1, 3)) if gps else true
-        self._true = np.concatenate([self._true, true])
-        self._frames = np.concatenate([self._frames, frame])
-        self._gps = np.append(self._gps, gps)
-        self._errors = np.concatenate([self._errors, [[slip, turn]]])
-        self._keys = np.append(self._keys, stream_key(self.seed, name, "odometry"))
-        reported = (
-            np.array([[true[0, 0], true[0, 1], _wrap(true[0, 2])]]) if gps else np.zeros((1, 3))
-        )
-        self.poses = np.concatenate([self.poses, reported])
-        return len(self.poses) - 1
+        robot = self._count
+        if robot == len(self._true):
+            for of in ("_reported", "_true", "_frames", "_gps", "_errors", "_keys"):
+                old = getattr(self, of)
+                new = np.zeros((2 * robot + 8, *old.shape[1:]), old.dtype)
+                new[:robot] = old
+                setattr(self, of, new)
+        self._count += 1
+        self._true[robot] = pose
+        self._gps[robot] = gps
+        self._errors[robot] = slip, turn
+        self._keys[robot] = stream_key(self.seed, name, "odometry")
+        if gps:
+            x, y, heading = self._true[robot]
+            self._reported[robot] = x, y, _wrap(heading)
+        else:
+            self._frames[robot] = self._true[robot]
+        self.poses = self._reported[: self._count]
+        return robot
 
     def update(self, true_poses: npt.ArrayLike, dt: float, tick: int) -> Floats:
         """Take the true poses (n, 3) after a tick and return the reported ones (n, 3).

@@ -1,7 +1,8 @@
 """Draws edges, circles and polygons into a one-dimensional picture: the nearest thing per ray.
 
-The picture of a sensor is a row of `depth`, which holds 1/range, and of `hits`. It is in the
-sensor's frame: x ahead, y to the left. 1/range is linear in a ray's direction along a straight
+The picture of a sensor is a row of `depth`, which holds 1/range, and of `hits`. Several fans that
+look from one place in one direction are drawn at once, one behind the other. It is in the sensor's
+frame: x ahead, y to the left. 1/range is linear in a ray's direction along a straight
 edge: with the edge a + s e and the ray t d, 1/t = (d x e) / (a x e), so that a ray costs two
 multiplications and no division.
 """
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .compiled import compiled
-from .grid import Floats
+from .grid import Floats, Ints
 
 Hits = npt.NDArray[np.int32]
 
@@ -21,12 +22,31 @@ EDGE_ON = 1e-12  # metres: a line this near to the sensor is seen end on and cov
 SLACK = 1e-12  # radians by which an edge's run is widened, so that no ray slips between two edges
 
 
+Parts = tuple[Ints, Floats, Ints]
+"""The fans that are drawn at once, of one field of view, one behind the other in the picture.
+
+ends (f + 1,): where each begins in the picture's row. scales (f, 3): its rays per radian, the
+bearing of its first ray to the right, and the rays by which a run is widened. live (f,): 0 for a
+fan in which nothing nearer can come any more."""
+
+
+def parts_of(fov: float, samples: tuple[int, ...]) -> tuple[Ints, Floats]:
+    """`ends` and `scales` of fans of `fov` radians with so many samples each."""
+    scales = np.empty((len(samples), 3))
+    for part, count in enumerate(samples):
+        per_radian = (count - 1) / fov if count > 1 else 1.0
+        scales[part, 0] = per_radian
+        scales[part, 1] = 0.5 * fov if count > 1 else 0.0  # a single ray looks ahead
+        scales[part, 2] = SLACK * per_radian + 1e-15 * count
+    return np.cumsum((0, *samples)), scales
+
+
 @compiled
 def cover_line(
     depth: Floats,
     hits: Hits,
     fan: Floats,
-    fov: float,
+    parts: Parts,
     entity: int,
     area: float,
     ex: float,
@@ -35,7 +55,7 @@ def cover_line(
     bearing_b: float,
 ) -> None:
     """Draw one edge into the picture: `area` is a x e, the bearings are those of its ends."""
-    samples = depth.shape[0]
+    ends, scales, live = parts
     if area > 0.0:
         low, width = bearing_a, bearing_b - bearing_a
     else:
@@ -44,22 +64,24 @@ def cover_line(
         width += 2.0 * math.pi
     if width > math.pi + 1.0:  # two ends in one direction, and rounding turned their order round
         return
-    per_radian = (samples - 1) / fov if samples > 1 else 1.0
-    half_fov = 0.5 * fov if samples > 1 else 0.0  # a single ray looks ahead
-    slack = SLACK * per_radian + 1e-15 * samples
     across, along = ey / area, -ex / area
-    for turn in range(-1, 2):  # the picture's ends meet at fov 360: an edge may lie at both
-        first = (low + turn * 2.0 * math.pi + half_fov) * per_radian
-        last = first + width * per_radian
-        if last < -slack or first > samples - 1 + slack:
+    for part in range(live.shape[0]):
+        if live[part] == 0:
             continue
-        i0 = max(math.ceil(first - slack), 0)
-        i1 = min(math.floor(last + slack), samples - 1)
-        for i in range(i0, i1 + 1):
-            w = across * fan[0, i] + along * fan[1, i]
-            nearer = w > depth[i]
-            depth[i] = w if nearer else depth[i]
-            hits[i] = entity if nearer else hits[i]
+        begin, samples = ends[part], ends[part + 1] - ends[part]
+        per_radian, half_fov, slack = scales[part, 0], scales[part, 1], scales[part, 2]
+        for turn in range(-1, 2):  # the picture's ends meet at fov 360: an edge may lie at both
+            first = (low + turn * 2.0 * math.pi + half_fov) * per_radian
+            last = first + width * per_radian
+            if last < -slack or first > samples - 1 + slack:
+                continue
+            i0 = max(math.ceil(first - slack), 0)
+            i1 = min(math.floor(last + slack), samples - 1)
+            for i in range(begin + i0, begin + i1 + 1):
+                w = across * fan[0, i] + along * fan[1, i]
+                nearer = w > depth[i]
+                depth[i] = w if nearer else depth[i]
+                hits[i] = entity if nearer else hits[i]
 
 
 @compiled
@@ -67,37 +89,39 @@ def cover_circle(
     depth: Floats,
     hits: Hits,
     fan: Floats,
-    fov: float,
+    parts: Parts,
     entity: int,
     x: float,
     y: float,
     radius: float,
 ) -> bool:
     """Draw a circle about (x, y) into the picture. True if the sensor lies in or on it."""
-    samples = depth.shape[0]
+    ends, scales, live = parts
     distance = math.hypot(x, y)
     if distance - radius <= ON:
         return True
     power = (distance - radius) * (distance + radius)
     spread = math.asin(radius / distance)
-    per_radian = (samples - 1) / fov if samples > 1 else 1.0
-    half_fov = 0.5 * fov if samples > 1 else 0.0  # a single ray looks ahead
-    slack = SLACK * per_radian + 1e-15 * samples
     low = math.atan2(y, x) - spread
-    for turn in range(-1, 2):
-        first = (low + turn * 2.0 * math.pi + half_fov) * per_radian
-        last = first + 2.0 * spread * per_radian
-        if last < -slack or first > samples - 1 + slack:
+    for part in range(live.shape[0]):
+        if live[part] == 0:
             continue
-        for i in range(
-            max(math.ceil(first - slack), 0), min(math.floor(last + slack), samples - 1) + 1
-        ):
-            aside = abs(x * fan[1, i] - y * fan[0, i])
-            half = math.sqrt(max((radius - aside) * (radius + aside), 0.0))
-            w = (x * fan[0, i] + y * fan[1, i] + half) / power
-            if w > depth[i]:
-                depth[i] = w
-                hits[i] = entity
+        begin, samples = ends[part], ends[part + 1] - ends[part]
+        per_radian, half_fov, slack = scales[part, 0], scales[part, 1], scales[part, 2]
+        for turn in range(-1, 2):
+            first = (low + turn * 2.0 * math.pi + half_fov) * per_radian
+            last = first + 2.0 * spread * per_radian
+            if last < -slack or first > samples - 1 + slack:
+                continue
+            i0 = max(math.ceil(first - slack), 0)
+            i1 = min(math.floor(last + slack), samples - 1)
+            for i in range(begin + i0, begin + i1 + 1):
+                aside = abs(x * fan[1, i] - y * fan[0, i])
+                half = math.sqrt(max((radius - aside) * (radius + aside), 0.0))
+                w = (x * fan[0, i] + y * fan[1, i] + half) / power
+                if w > depth[i]:
+                    depth[i] = w
+                    hits[i] = entity
     return False
 
 
@@ -123,7 +147,7 @@ def draw_polygon(
     depth: Floats,
     hits: Hits,
     fan: Floats,
-    fov: float,
+    parts: Parts,
     entity: int,
     vertices: Floats,
     convex: bool,
@@ -172,5 +196,5 @@ def draw_polygon(
             scratch[k, 5] = math.atan2(scratch[k, 1], scratch[k, 0])
         if scratch[n, 5] == 9.0:
             scratch[n, 5] = math.atan2(scratch[n, 1], scratch[n, 0])
-        cover_line(depth, hits, fan, fov, entity, area, ex, ey, scratch[k, 5], scratch[n, 5])
+        cover_line(depth, hits, fan, parts, entity, area, ex, ey, scratch[k, 5], scratch[n, 5])
     return False

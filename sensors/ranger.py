@@ -7,9 +7,9 @@ import numpy as np
 from pydantic import model_validator
 
 from .cones import cast_cones
-from .laser import cast_scans
+from .laser import fan_of
 from .noise import add_element_noise, add_range_noise
-from .readings import Elements, Scans, too_near
+from .readings import Elements, Fan, Scans, too_near
 from .registry import sensor
 from .settings import Count, Number, Pose, SensorSettings, check_min_range, setting
 from .view import View, place_elements
@@ -80,11 +80,14 @@ def _empty(settings: RangerSettings, n: int) -> Scans | Elements:
     return Elements.empty(n, poses, fov, settings.range)
 
 
-@sensor("ranger", kind="elements", settings=RangerSettings, readings=_empty)
+def _fan(settings: RangerSettings, readings: Any) -> Fan | None:
+    return fan_of(settings, readings) if isinstance(readings, Scans) else None
+
+
+@sensor("ranger", kind="elements", settings=RangerSettings, readings=_empty, fan=_fan)
 def sense_ranges(settings: RangerSettings, view: View, readings: Any) -> None:
     """Range to the nearest thing in the cone of each element; with `samples`, a scan."""
     if isinstance(readings, Scans):
-        cast_scans(view, readings)
         if settings.noise > 0.0:
             add_range_noise(
                 readings.ranges,

@@ -11,6 +11,7 @@ an edge (within ON, 1e-9 m), reads 0 along all its rays.
 """
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -22,14 +23,18 @@ from .picture import (
     EDGE_ON,
     ON,
     Hits,
+    Parts,
     cover_circle,
     cover_line,
     draw_polygon,
     outside_view,
+    parts_of,
     stands_on,
 )
+from .readings import Fan
 from .scene import Scene, Seen
 from .solids import stands_within
+from .view import View
 
 
 @compiled
@@ -42,14 +47,28 @@ def most_corners(shapes: Ints) -> int:
 
 
 @compiled
-def _all_nearer(depth: Floats, distance: float) -> bool:
-    """Whether every ray ends nearer than `distance`: then nothing farther can be seen."""
+def _all_nearer(depth: Floats, parts: Parts, distance: float) -> bool:
+    """Whether every ray ends nearer than `distance`: then nothing farther can be seen.
+
+    Fans in which it is so are no longer live.
+    """
+    ends, _, live = parts
     if distance <= 0.0:
         return False
-    for i in range(depth.shape[0]):  # noqa: SIM110  (numba has no all() of a generator)
-        if depth[i] * distance <= 1.0:
-            return False
-    return True
+    done = True
+    for part in range(live.shape[0]):
+        if live[part] == 0:
+            continue
+        nearer = True
+        for i in range(ends[part], ends[part + 1]):
+            if depth[i] * distance <= 1.0:
+                nearer = False
+                break
+        if nearer:
+            live[part] = 0
+        else:
+            done = False
+    return done
 
 
 @compiled
@@ -60,6 +79,7 @@ def _draw_walls(
     depth: Floats,
     hits: Hits,
     fan: Floats,
+    parts: Parts,
     fov: float,
     max_range: float,
     own: int,
@@ -72,13 +92,14 @@ def _draw_walls(
     segments, owners, frame, start, items = walls
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     narrow = fov <= math.pi
+    parts[2][:] = 1
     stamps[-1] += 1
     stamp = stamps[-1]
     column, row, first, last, inset = locate(frame, ox, oy)
     for ring in range(first, last + 1):
         if ring > 0:
             near = (ring - 1) * frame[2] + inset
-            if near > max_range or _all_nearer(depth, near):
+            if near > max_range or _all_nearer(depth, parts, near):
                 break
         for n in range(ring_cells(frame, column, row, ring, cells)):
             for k in range(start[cells[n]], start[cells[n] + 1]):
@@ -102,7 +123,7 @@ def _draw_walls(
                     if min(left_a, left_b) > ON or min(right_a, right_b) > ON:
                         continue
                 a, b = math.atan2(ay, ax), math.atan2(by, bx)
-                cover_line(depth, hits, fan, fov, owners[wall], area, ex, ey, a, b)
+                cover_line(depth, hits, fan, parts, owners[wall], area, ex, ey, a, b)
     return -1
 
 
@@ -114,6 +135,7 @@ def _draw_bodies(
     depth: Floats,
     hits: Hits,
     fan: Floats,
+    parts: Parts,
     fov: float,
     max_range: float,
     own: int,
@@ -126,6 +148,7 @@ def _draw_bodies(
     bounds, shapes, vertices, frame, start, items = bodies
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     narrow = fov <= math.pi
+    parts[2][:] = 1
     column, row, first, last, inset = locate(frame, ox, oy)
     for ring in range(first - 1, last + 1):
         if ring == first - 1:  # first the cell behind the last: the bodies larger than a cell
@@ -134,7 +157,7 @@ def _draw_bodies(
         else:
             if ring > 0:
                 near = (ring - 1) * frame[2] + inset - frame[5]
-                if near > max_range or _all_nearer(depth, near):
+                if near > max_range or _all_nearer(depth, parts, near):
                     break
             count = ring_cells(frame, column, row, ring, cells)
         for n in range(count):
@@ -150,13 +173,13 @@ def _draw_bodies(
                 if narrow and outside_view(x, y, side_x, side_y, reach):
                     continue
                 if shapes[s, 2] == 0:
-                    on = cover_circle(depth, hits, fan, fov, entity, x, y, bounds[s, 2])
+                    on = cover_circle(depth, hits, fan, parts, entity, x, y, bounds[s, 2])
                 else:
                     on = draw_polygon(
                         depth,
                         hits,
                         fan,
-                        fov,
+                        parts,
                         entity,
                         vertices[shapes[s, 1] : shapes[s, 1] + shapes[s, 2]],
                         shapes[s, 3] == 1,
@@ -178,54 +201,83 @@ def cast_fans(
     own: Ints,
     rows: Ints,
     fan: Floats,
+    ends: Ints,
+    scales: Floats,
     fov: float,
     max_range: float,
-    ranges: Floats,
-    hits: Hits,
+    out: tuple[tuple[Floats, Hits], ...],
 ) -> None:
-    """Cast a fan of rays from every origin of `rows` into the same rows of `ranges` and `hits`.
+    """Cast fans of rays from every origin of `rows` into the same rows of their `out`.
+
+    Fans that look from one place, over one field of view and equally far, are cast at once: what
+    there is to see is looked for only once.
 
     Args:
         seen: `Scene.arrays`.
         origins: (n, 3) x, y, heading; own: (n,) the entity that each sensor does not see, or -1.
         rows: (m,) the sensors to cast.
-        fan: (2, samples) cosines and sines of the rays' bearings; fov in radians.
-        ranges, hits: (n, samples) written.
+        fan: (2, samples) cosines and sines of the rays' bearings, of one fan behind the other;
+            ends, scales: where they end, as `parts_of` has it; fov in radians.
+        out: per fan, ranges and hits (n, its samples), written.
     """
     bodies, walls, solids = seen
     cells = np.empty(max(bodies[4].shape[0], walls[3].shape[0]), np.int64)
     stamps = np.zeros(walls[0].shape[0] + 1, np.int64)  # per wall: the last sensor that drew it
     scratch = np.empty((most_corners(bodies[1]), 6))
+    parts = (ends, scales, np.ones(scales.shape[0], np.int64))
+    depth, hit = np.empty(fan.shape[1]), np.empty(fan.shape[1], np.int32)
     for j in rows:
-        depth, hit = ranges[j], hits[j]
-        for i in range(depth.shape[0]):
-            depth[i] = 1.0 / max_range
-            hit[i] = -1
+        depth[:] = 1.0 / max_range
+        hit[:] = -1
         x, y = origins[j, 0], origins[j, 1]
         cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
         on = stands_within(solids, own[j], x, y)
         if on < 0:
             on = _draw_walls(
-                walls, stamps, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin
+                walls, stamps, cells, depth, hit, fan, parts, fov, max_range, own[j], x, y, cos, sin
             )
         if on < 0:
             on = _draw_bodies(
-                bodies, scratch, cells, depth, hit, fan, fov, max_range, own[j], x, y, cos, sin
-            )
-        for i in range(depth.shape[0]):
+                bodies, scratch, cells, depth, hit, fan, parts, fov, max_range, own[j], x, y, cos,
+                sin,
+            )  # fmt: skip
+        for part in range(len(out)):
+            ranges, hits = out[part][0][j], out[part][1][j]
+            begin = ends[part]
             if on >= 0:
-                depth[i], hit[i] = 0.0, on
-            else:
-                depth[i] = min(1.0 / depth[i], max_range) if hit[i] >= 0 else max_range
+                ranges[:] = 0.0
+                hits[:] = on
+                continue
+            for i in range(ranges.shape[0]):
+                found = hit[begin + i]
+                ranges[i] = min(1.0 / depth[begin + i], max_range) if found >= 0 else max_range
+                hits[i] = found
 
 
 @lru_cache(maxsize=256)
-def fan_of(fov: float, samples: int) -> Floats:
-    """Cosines and sines (2, samples) of the bearings of a fan of `fov` radians, from the right."""
-    bearings = bearings_of(fov, samples)
+def fans_of(fov: float, samples: tuple[int, ...]) -> tuple[Floats, Ints, Floats]:
+    """Fans of `fov` radians with so many samples each, one behind the other, as `cast_fans` wants.
+
+    Cosines and sines (2, all samples) of the bearings from the right, `ends` and `scales`.
+    """
+    bearings = np.concatenate([bearings_of(fov, count) for count in samples])
     fan = np.ascontiguousarray(np.stack([np.cos(bearings), np.sin(bearings)]))
-    fan.setflags(write=False)
-    return fan
+    return fan, *parts_of(fov, samples)
+
+
+def cast_for(view: View, fans: Sequence[Fan]) -> None:
+    """Cast fans of one field of view and reach from the sensors of a view, together."""
+    fov = fans[0].fov
+    cast_fans(
+        view.scene.arrays,
+        view.origins,
+        view.entities,
+        view.rows,
+        *fans_of(fov, tuple([fan.ranges.shape[1] for fan in fans])),
+        fov,
+        fans[0].max_range,
+        tuple([(fan.ranges, fan.hits) for fan in fans]),
+    )
 
 
 def bearings_of(fov: float, samples: int) -> Floats:
@@ -272,10 +324,9 @@ def cast(
         places,
         own,
         rows,
-        fan_of(float(fov), samples),
+        *fans_of(float(fov), (samples,)),
         float(fov),
         float(max_range),
-        out[0],
-        out[1],
+        (out,),
     )
     return out

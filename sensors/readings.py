@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,19 @@ BLOB = np.dtype(
 
 FIDUCIAL = np.dtype([("id", np.int32), ("x", float), ("y", float), ("yaw", float)])
 """One fiducial: its id and its pose relative to the sensor, metres and radians."""
+
+
+class Fan(NamedTuple):
+    """Rays of n sensors from -fov/2 to +fov/2, as many as there are columns, and what they hit."""
+
+    fov: float
+    """radians"""
+    max_range: float
+    """metres"""
+    ranges: Floats
+    """(n, samples) metres, max_range where nothing is hit; written."""
+    hits: npt.NDArray[np.int32]
+    """(n, samples) the entity that was hit, or -1; written."""
 
 
 class Readings(Protocol):

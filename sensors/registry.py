@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from pydantic_core import PydanticCustomError, ValidationError
 
-from .readings import KINDS, Readings
+from .readings import KINDS, Fan, Readings
 from .settings import SensorSettings
 from .view import View
 
@@ -39,6 +39,8 @@ class SensorType:
     """readings(settings, n): empty readings for n robots."""
     sense: Sense
     """sense(settings, view, readings): writes the wanted rows of `readings`."""
+    fan: Callable[[Any, Any], Fan | None]
+    """fan(settings, readings): the rays to be cast for it before it senses, or None."""
     threads: bool
     """Whether parts of a batch may be sensed at the same time: it writes `view.rows` only, and
     most of its work is in compiled code."""
@@ -87,6 +89,7 @@ def sensor(
     kind: str,
     settings: type[S],
     readings: Callable[[S, int], R],
+    fan: Callable[[S, R], Fan | None] = lambda settings, readings: None,
     threads: bool = False,
 ) -> Callable[[Callable[[S, View, R], None]], Callable[[S, View, R], None]]:
     """Register the decorated function as a sensor.
@@ -97,6 +100,9 @@ def sensor(
         kind: the kind of its readings, a key of `readings.KINDS`.
         settings: a subclass of SensorSettings, a class of this sensor alone.
         readings: makes empty readings for n robots: readings(settings, n).
+        fan: fan(settings, readings) tells what rays to cast from the sensor's mount, and where
+            to write what they hit, before the function is called. Fans of sensors that look from
+            one place are cast together. None where there are none.
         threads: parts of a large batch may be sensed at the same time: the function writes
             `view.rows` of the readings and nothing else.
 
@@ -113,7 +119,7 @@ def sensor(
         if not issubclass(settings, SensorSettings) or settings in _BY_SETTINGS:
             raise ValueError(f"sensor {name!r}: needs settings of its own, from SensorSettings")
         summary = (sense.__doc__ or "").strip().split("\n")[0]
-        new = SensorType(name, kind, settings, readings, sense, threads, summary)
+        new = SensorType(name, kind, settings, readings, sense, fan, threads, summary)
         loading = _LOADING.get()
         if loading is not None:
             loading.append(new)

@@ -13,6 +13,7 @@ from .solids import Solids, sort_solids
 Seen = tuple[Bodies, Walls, Solids]
 """What the kernels take: `Scene.arrays`."""
 Colors = npt.NDArray[np.uint32]
+Outline = tuple[Floats, bool, tuple[float, float, float]]
 
 
 class Scene:
@@ -41,6 +42,8 @@ class Scene:
         self._shapes: list[tuple[int, int, int, int]] = []
         self._bounds: list[tuple[float, float, float]] = []
         self._vertices: list[Floats] = []
+        self._corners = 0  # of all polygons
+        self._polygons: dict[bytes, Outline] = {}  # a crowd is made of few different ones
         self._walls: list[tuple[int, Floats]] = []
         self._solids: list[tuple[int, Floats, bool]] = []
         self._stale = True
@@ -110,19 +113,15 @@ class Scene:
         Clockwise ones are turned round; concave ones are seen correctly too, only slower.
         """
         self._check(entity)
-        corners, _ = _polygon(vertices)
-        edges = np.roll(corners, -1, axis=0) - corners
-        after = np.roll(edges, -1, axis=0)
-        turns = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
-        # All turns to the left, and once round in all: a star turns left too, but twice round.
-        angles = np.arctan2(turns, np.sum(edges * after, axis=1))
-        convex = bool((turns >= 0.0).all() and abs(angles.sum() - 2.0 * np.pi) < 1.0)
-        centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-        radius = float(np.hypot(*(corners - centre).T).max()) * (1.0 + 1e-12)
-        first = sum(map(len, self._vertices))
-        self._shapes.append((entity, first, len(corners), int(convex)))
-        self._bounds.append((float(centre[0]), float(centre[1]), radius))
+        given = np.array(vertices, np.float64)
+        known = self._polygons.get(given.tobytes())
+        if known is None:
+            known = self._polygons[given.tobytes()] = _outline(given)
+        corners, convex, bounds = known
+        self._shapes.append((entity, self._corners, len(corners), int(convex)))
+        self._bounds.append(bounds)
         self._vertices.append(corners)
+        self._corners += len(corners)
         self._stale = True
 
     def add_circle(
@@ -274,6 +273,24 @@ class Scene:
         cos, sin = np.cos(heading), np.sin(heading)
         placed: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
         return placed
+
+
+def _outline(vertices: Floats) -> Outline:
+    """A polygon's corners (k, 2) counter-clockwise, whether it is convex, and its bounding circle.
+
+    Raises:
+        ValueError: it has fewer than three vertices, is not finite or without an area.
+    """
+    corners, _ = _polygon(vertices)
+    edges = np.roll(corners, -1, axis=0) - corners
+    after = np.roll(edges, -1, axis=0)
+    turns = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
+    # All turns to the left, and once round in all: a star turns left too, but twice round.
+    angles = np.arctan2(turns, np.sum(edges * after, axis=1))
+    convex = bool((turns >= 0.0).all() and abs(angles.sum() - 2.0 * np.pi) < 1.0)
+    centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    radius = float(np.hypot(*(corners - centre).T).max()) * (1.0 + 1e-12)
+    return corners, convex, (float(centre[0]), float(centre[1]), radius)
 
 
 def _polygon(vertices: npt.ArrayLike) -> tuple[Floats, bool]:

@@ -12,7 +12,8 @@ import numpy as np
 
 from .grid import Flags, Floats, Ints
 from .noise import Keys, stream_key
-from .readings import Readings
+from .rays import cast_for
+from .readings import Fan, Readings
 from .registry import SensorType, type_of
 from .scene import Scene
 from .settings import SensorSettings
@@ -44,6 +45,8 @@ class Group:
     rows: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """(m,) the rows that the last `sense` computed."""
     everybody: Ints = field(default_factory=lambda: np.zeros(0, np.int64), repr=False)
+    fan: Fan | None = field(default=None, repr=False)
+    """The rays that are cast for the batch before it senses."""
 
     @property
     def kind(self) -> str:
@@ -80,6 +83,7 @@ class Suite:
         self.slots = 0
         """How many sensors there are in all."""
         self._groups: dict[SensorSettings, Group] = {}
+        self._casts: list[tuple[Group, ...]] = []  # whose fans are cast together
         self._places: list[tuple[Group, int]] = []  # per slot: its group, its row
         self._new: dict[int, list[tuple[int, int, int, np.uint64]]] = {}  # by id(group)
 
@@ -117,30 +121,47 @@ class Suite:
         flags = wanted() if callable(wanted) else wanted
         if flags is not None and flags.shape != (self.slots,):
             raise ValueError(f"wanted needs a flag for each of {self.slots}, not {flags.shape}")
-        for group in self.groups:
-            rows = group.everybody if flags is None else np.flatnonzero(flags[group.slots])
-            group.rows = rows
-            if rows.size == 0:
-                continue
+        for groups in self._casts:
+            for group in groups:
+                group.rows = (
+                    group.everybody if flags is None else np.flatnonzero(flags[group.slots])
+                )
+            if len(groups) > 1 and not (
+                flags is None or all(np.array_equal(g.rows, groups[0].rows) for g in groups)
+            ):
+                for group in groups:
+                    self._sense((group,), tick, time)
+            else:
+                self._sense(groups, tick, time)
+
+    def _sense(self, groups: tuple[Group, ...], tick: int, time: float) -> None:
+        """Sense with the same rows of groups that are cast together."""
+        rows = groups[0].rows
+        if rows.size == 0:
+            return
+        views = []
+        for group in groups:
             mount_sensors(
                 self.scene.poses, group.entities, rows, group.settings.mount, group.origins
             )
-            view = View(
-                self.scene,
-                rows,
-                group.robots,
-                group.entities,
-                group.origins,
-                group.keys,
-                tick,
-                time,
-                self.contacts,
+            views.append(
+                View(
+                    self.scene,
+                    rows,
+                    group.robots,
+                    group.entities,
+                    group.origins,
+                    group.keys,
+                    tick,
+                    time,
+                    self.contacts,
+                )
             )
-            sense_rows(group, view)
-            if flags is None:
+            if rows is group.everybody:
                 group.times[:] = time
             else:
                 group.times[rows] = time
+        sense_rows(groups, views)
 
     def place(self, robot: int, sensor_index: int) -> tuple[Group, int]:
         """Where a sensor's readings stand: its group, and its row in it."""
@@ -174,6 +195,15 @@ class Suite:
             group.everybody = np.arange(n)
             group.readings = group.readings.resized(n)
         self._new.clear()
+        shared: dict[object, list[Group]] = {}
+        for group in self.groups:
+            group.fan = group.type.fan(group.settings, group.readings)
+            key: object = id(group)
+            if group.fan is not None:
+                fov, far = group.fan.fov, group.fan.max_range
+                key = group.settings.mount, fov, far, group.robots.tobytes()
+            shared.setdefault(key, []).append(group)
+        self._casts = [tuple(groups) for groups in shared.values()]
 
 
 CREW = 256
@@ -187,21 +217,30 @@ def threads() -> tuple[int, ThreadPoolExecutor | None]:
     return (cores, ThreadPoolExecutor(cores - 1)) if cores and cores > 1 else (1, None)
 
 
-def sense_rows(group: Group, view: View) -> None:
-    """Sense with the wanted sensors of a group; many of them on all cores.
+def sense_rows(groups: Sequence[Group], views: Sequence[View]) -> None:
+    """Sense with the wanted sensors of groups that are cast together; many of them on all cores.
 
     Every sensor writes its own row and reads nobody else's, so the result does not depend on
     how they are shared out.
     """
     cores, pool = threads()
-    if pool is None or not group.type.threads or len(view.rows) < CREW:
-        group.type.sense(group.settings, view, group.readings)
+    rows = views[0].rows
+    if pool is None or len(rows) < CREW or not all(group.type.threads for group in groups):
+        _sense_part(groups, views)
         return
-    first, *rest = np.array_split(view.rows, cores)
+    first, *rest = np.array_split(rows, cores)
     others = [
-        pool.submit(group.type.sense, group.settings, replace(view, rows=rows), group.readings)
-        for rows in rest
+        pool.submit(_sense_part, groups, [replace(view, rows=part) for view in views])
+        for part in rest
     ]
-    group.type.sense(group.settings, replace(view, rows=first), group.readings)
+    _sense_part(groups, [replace(view, rows=first) for view in views])
     for other in others:
         other.result()
+
+
+def _sense_part(groups: Sequence[Group], views: Sequence[View]) -> None:
+    fans = [group.fan for group in groups if group.fan is not None]
+    if fans:
+        cast_for(views[0], fans)
+    for group, view in zip(groups, views, strict=True):
+        group.type.sense(group.settings, view, group.readings)

@@ -34,7 +34,7 @@ class Scenery:
         self.odometry = Odometry(seed)
         self.floor = FloorPaint(layout, world.floor.resolution)
         self.start_poses: Floats = loaded.place(seed)
-        self.entities: NDArray[np.int64] = np.zeros(0, np.int64)  # of all robots
+        self._entities: NDArray[np.int64] = np.zeros(8, np.int64)  # with room for more robots
         self.add_walls(layout)
         self.movables = np.array(
             [
@@ -79,7 +79,9 @@ class Scenery:
         robot = self.stage.add_robot(model_name, pose)
         body = model.body
         entity = self.add_body(body, body.color, body.height, model.fiducial or 0, pose)
-        self.entities = np.append(self.entities, entity)
+        if robot == len(self._entities):
+            self._entities = np.concatenate([self._entities, np.zeros_like(self._entities)])
+        self._entities[robot] = entity
         noise = model.odometry_noise
         self.suite.add_robot(entity, name, model.sensors)
         self.odometry.add_robot(
@@ -90,6 +92,11 @@ class Scenery:
             turn=noise.turn if noise else 0.0,
         )
         return robot, entity
+
+    @property
+    def entities(self) -> NDArray[np.int64]:
+        """(n,) the entity in the scene of each robot."""
+        return self._entities[: self.stage.count]
 
     def refresh(self) -> None:
         """Bring what can be seen and felt up to date with the bodies."""

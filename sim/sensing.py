@@ -28,6 +28,7 @@ class Sensing:
         self.switchboard = switchboard
         self.everything = everything
         self.encodings = Encodings()
+        self.tick = 0
         self.flags: NDArray[np.bool_] = np.zeros(0, bool)  # by sensor
         self.asked: set[int] = set()  # slots of sensors that are read from Python
 
@@ -46,7 +47,8 @@ class Sensing:
         scenery, stage = self.scenery, self.scenery.stage
         wanted = None if self.everything else self.wanted()
         scenery.suite.sense(tick, time, wanted)
-        self.encodings.tick = tick
+        self.tick = tick
+        self.encodings.round += 1
         self.encodings.states.update(scenery.odometry.poses, stage.velocities, stage.stalls)
 
     def want(self, slots: NDArray[np.int64]) -> None:
@@ -56,7 +58,7 @@ class Sensing:
             return
         self.asked |= new
         self.switchboard.changed = True
-        self.perceive(self.encodings.tick, self.context.time)
+        self.perceive(self.tick, self.context.time)
 
     def read(self, device: Device) -> None:
         """A device is read from Python from now on, and has its reading of this tick."""
@@ -68,7 +70,7 @@ class Sensing:
     def look_again(self) -> None:
         """Something was moved by hand: bring what is read up to date within the tick."""
         self.scenery.refresh()
-        self.perceive(self.encodings.tick, self.context.time)
+        self.perceive(self.tick, self.context.time)
 
     def wanted(self) -> NDArray[np.bool_]:
         """For every sensor of every robot, whether somebody reads it."""

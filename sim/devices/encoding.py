@@ -1,6 +1,7 @@
 """Readings and states of many robots, encoded together: bytes per group of equal sensors.
 
-Rule: a message is encoded at most once a tick, when the first client of any robot gets it.
+Rule: a message is encoded at most once a round of perceiving, when the first client of any robot
+gets it.
 """
 
 from __future__ import annotations
@@ -34,20 +35,20 @@ class GroupEncoder:
     def __init__(self, group: Group, encode: Encode) -> None:
         self.group = group
         self.encode = encode
-        self.tick = -1
+        self.round = -1
         self.ends: Sequence[int] = ()
         self.data = b""
         self.rows: NDArray[Any] = np.zeros(0, np.int64)
         self.places: dict[int, int] = {}  # of rows among those that are wanted
 
-    def payload(self, row: int, tick: int) -> bytes:
+    def payload(self, row: int, round: int) -> bytes:
         """The message of one row of the group."""
-        if tick != self.tick:
+        if round != self.round:
             self.ends, self.data = self.encode(self.group)
             if not np.array_equal(self.rows, self.group.rows):
                 self.rows = self.group.rows.copy()
                 self.places = {row: k for k, row in enumerate(self.rows.tolist())}
-            self.tick = tick
+            self.round = round
         place = self.places[row]
         return self.data[self.ends[place - 1] if place else 0 : self.ends[place]]
 
@@ -83,16 +84,16 @@ class Encodings:
 
     def __init__(self) -> None:
         self.states = StateEncoder()
-        self.tick = -1
+        self.round = 0  # of perceiving: what is encoded belongs to one
         self.groups: dict[tuple[int, str], GroupEncoder] = {}
 
     def payload(self, group: Group, message: str, row: int) -> bytes:
-        """One of the messages below, of one row of a group, as of this tick."""
+        """One of the messages below, of one row of a group, as of this round."""
         encoder = self.groups.get((id(group), message))
         if encoder is None:
             encoder = GroupEncoder(group, ENCODE[message])
             self.groups[id(group), message] = encoder
-        return encoder.payload(row, self.tick)
+        return encoder.payload(row, self.round)
 
 
 def encode_scans(group: Group) -> NDArray[Any]:

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
+from sim.stage.chipmunk import pointer
+
 Floats = NDArray[np.float64]
 Ids = NDArray[np.uint64]
 
@@ -41,14 +43,15 @@ class BodyTable:
     """All bodies of a space: states read into an array, velocities and forces written from one.
 
     state (b, 6): x, y, angle, vx, vy, angular velocity, in the world's frame.
-    orders (b, 6): vx, vy, angular velocity, force x, y and torque that `write` sets. Forces act
-    for one step.
+    orders (b, 6): vx, vy, angular velocity, force x, y and torque, to be written. Forces act for
+    one step.
+    readers, writers: the addresses of what pymunk's functions for one body are given, and of the
+    buffer of which they count up how much is in it.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
         self._space = space
         self._get = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
-        self._set = ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")
         self.state: Floats = np.zeros((0, 6))
         self.orders: Floats = np.zeros((0, 6))
 
@@ -66,9 +69,11 @@ class BodyTable:
         self.orders = written[: count * 6].reshape(count, 6)
         ints = self._ints(names)
         self._read_floats = self._floats(memory)
-        self._write_floats = self._floats(written)
+        write_floats = self._floats(written)
         self._read_data = self._data(_STATE.value, self._read_floats, ints)
-        self._write_data = self._data(_ORDER.value, self._write_floats, ints)
+        written_data = self._data(_ORDER.value, write_floats, ints)
+        self.readers = pointer(self._read_data), pointer(self._read_floats)
+        self.writers = pointer(written_data), pointer(write_floats)
         named = self._data(_FIELDS.BODY_ID.value, self._read_floats, ints)
         lib.cpSpaceEachBody(self._space._space, self._get, named)
         if ints.num != count:
@@ -103,42 +108,24 @@ class BodyTable:
         self._read_floats.num = 0
         lib.cpSpaceEachBody(self._space._space, self._get, self._read_data)
 
-    def write(self) -> None:
-        """Set the velocities and forces of all bodies to `orders`."""
-        self._write_floats.num = 0
-        lib.cpSpaceEachBody(self._space._space, self._set, self._write_data)
-
 
 class ContactTable:
-    """Contacts between bodies after a step."""
+    """Contacts between bodies after a step, in buffers of pymunk's that it moves as they grow.
 
-    def __init__(self, space: pymunk.Space) -> None:
-        self._space = space
+    Per pair of bodies that the space has in mind, 3 words: the id of one body, that of the other,
+    and the number of contact points: 1 or 2, or 0 for a pair that touched a moment ago. And 2 x 2
+    x 2 floats: per contact point, the place on either body's surface in the world; only as many
+    are set as the pair has. The pairs' order is not the same from run to run (Chipmunk hashes
+    addresses): sort before use.
+
+    readers: the addresses of what pymunk's function for one pair is given, of the buffer of words
+    and of that of floats. A buffer begins with two int32, how much is in it and how much fits;
+    then comes where its numbers are.
+    """
+
+    def __init__(self) -> None:
         self._buffer = batch.Buffer()
-        self._floats, self._ints = self._buffer._float_arr, self._buffer._int_arr
-        self._call = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
-        self._data = ffi.new(
-            "pmBatchedData *",
-            {
-                "fields": _TOUCH.value,
-                "floatArray": self._floats,
-                "intArray": self._ints,
-            },
-        )
-
-    def read(self) -> tuple[NDArray[np.uintp], Floats] | None:
-        """Pairs of bodies that the space has in mind, or None if there are none.
-
-        pairs (k, 3): id of one body, id of the other, number of contact points: 1 or 2, or 0 for
-        a pair that touched a moment ago. points (k, 2, 2, 2): per contact point, the place on
-        either body's surface in the world; only as many are set as the pair has. Their order is
-        not the same from run to run (Chipmunk hashes addresses): sort before use.
-        """
-        self._floats.num = 0
-        self._ints.num = 0
-        lib.cpSpaceEachCachedArbiter(self._space._space, self._call, self._data)
-        if self._ints.num == 0:
-            return None
-        pairs = np.frombuffer(self._buffer.int_buf(), np.uintp).reshape(-1, 3).copy()
-        points = np.frombuffer(self._buffer.float_buf(), np.float64).reshape(-1, 2, 2, 2).copy()
-        return pairs, points
+        floats, ints = self._buffer._float_arr, self._buffer._int_arr
+        made = {"fields": _TOUCH.value, "floatArray": floats, "intArray": ints}
+        self._data = ffi.new("pmBatchedData *", made)
+        self.readers = pointer(self._data), pointer(ints), pointer(floats)

@@ -14,11 +14,13 @@ creeping.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pymunk
 
-from sim.stage.geometry import Floats, outline, signed_area
+from sim.stage.geometry import Floats, least_width, outline, reach, signed_area
 from sim.stage.layout import Solid
 from sim.stage.limits import SLOP
 
@@ -40,14 +42,47 @@ def new_space() -> pymunk.Space:
     return space
 
 
-def shape_of(body: pymunk.Body, schema: Any) -> pymunk.Shape:
-    """The shape of a body of the schema, attached to a pymunk body at its origin."""
-    shape: pymunk.Shape
+@dataclass(frozen=True)
+class Form:
+    """What bodies of one description have in common; reckoned once, however many there are."""
+
+    schema: Any
+    moment: float
+    """kg m2 about the origin."""
+    corners: Floats
+    """(k, 2) counter-clockwise in the body's frame; none for a circle."""
+    points: list[tuple[float, float]]
+    reach: float
+    """m, radius of the circle about the origin that holds the body."""
+    girth: float
+    """m, half of its width where it is narrowest."""
+
+
+def form_of(schema: Any) -> Form:
+    """The form of a body of the schema."""
     if schema.shape == "circle":
-        shape = pymunk.Circle(body, schema.radius)
+        corners, girth = np.zeros((0, 2)), schema.radius
     else:
-        shape = pymunk.Poly(body, outline(schema).tolist())
-    shape.friction = schema.friction
+        corners = outline(schema)
+        girth = least_width(corners) / 2
+    return Form(
+        schema,
+        moment_of(schema),
+        corners,
+        [(x, y) for x, y in corners.tolist()],
+        reach(schema),
+        girth,
+    )
+
+
+def shape_of(body: pymunk.Body, form: Form) -> pymunk.Shape:
+    """The shape of a body of a form, attached to a pymunk body at its origin."""
+    shape: pymunk.Shape
+    if form.schema.shape == "circle":
+        shape = pymunk.Circle(body, form.schema.radius)
+    else:
+        shape = pymunk.Poly(body, form.points)
+    shape.friction = form.schema.friction
     shape.elasticity = 0.0
     return shape
 
@@ -62,9 +97,9 @@ def moment_of(schema: Any) -> float:
     return float(pymunk.moment_for_poly(schema.mass, outline(schema).tolist()))
 
 
-def dynamic_body(schema: Any, pose: tuple[float, float, float]) -> pymunk.Body:
-    """A body of the schema that moves, at pose (x, y, yaw radians)."""
-    body = pymunk.Body(schema.mass, moment_of(schema))
+def dynamic_body(form: Form, pose: tuple[float, float, float]) -> pymunk.Body:
+    """A body of a form that moves, at pose (x, y, yaw radians)."""
+    body = pymunk.Body(form.schema.mass, form.moment)
     body.position = pose[0], pose[1]
     body.angle = pose[2]
     return body

@@ -6,7 +6,6 @@ the straight line between the two, and a single point where something round or a
 
 from __future__ import annotations
 
-from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ class Touches:
 
     def __init__(self, first: int) -> None:
         self._first = first
-        self._steps: list[tuple[NDArray[np.uintp], Floats]] = []
+        self._found: list[tuple[NDArray[np.uintp], Floats, Indices]] = []
         self._ids: Indices = np.zeros(0, dtype=np.int64)
         self._things: Indices = np.zeros(0, dtype=np.int64)
         self._keys: Indices = np.zeros(0, dtype=np.int64)
@@ -47,25 +46,27 @@ class Touches:
         """Set which body id (b,) ascending is which thing (b,)."""
         self._ids, self._things = ids, things
 
-    def add(self, touching: tuple[NDArray[np.uintp], Floats]) -> None:
-        """Add what touches after a step, as `ContactTable.read` tells it."""
-        self._steps.append(touching)
+    def add(self, pairs: NDArray[np.uintp], points: Floats, ends: Indices) -> None:
+        """Add what touches after some steps, as `ContactTable` tells it.
+
+        pairs (k, 3), points (k, 2, 2, 2), ends (s,): the row at which each step's contacts end.
+        """
+        self._found.append((pairs, points, ends))
 
     def finish(self, counts: Indices) -> None:
         """End the tick: counts (n,) goes up by one per pair that began to touch in it."""
-        if not self._steps:
+        if not self._found:
             if len(self._keys):
                 self._keys = np.zeros(0, dtype=np.int64)
                 self.robots, self.points = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
                 self.stretches = NO_STRETCHES
             return
-        if len(self._steps) == 1:
-            pairs, points = self._steps[0]
-        else:
-            pairs = np.concatenate([pairs for pairs, _ in self._steps])
-            points = np.concatenate([points for _, points in self._steps])
-        ends = np.array(list(accumulate(len(pairs) for pairs, _ in self._steps)), dtype=np.int64)
-        self._steps.clear()
+        pairs, points, ends = self._found[0]
+        for more, their_points, their_ends in self._found[1:]:
+            ends = np.concatenate([ends, len(pairs) + their_ends])
+            pairs = np.concatenate([pairs, more])
+            points = np.concatenate([points, their_points])
+        self._found.clear()
         self._keys, self.robots, self.points, self.stretches = _gather(
             pairs, points, ends, self._ids, self._things, self._first, self._keys, counts
         )

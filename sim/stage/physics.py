@@ -11,17 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
 from sim.stage.batch import BodyTable, ContactTable
+from sim.stage.chipmunk import address, pointer
+from sim.stage.clearance import Clearance
 from sim.stage.contacts import Touches
-from sim.stage.geometry import Floats, least_width, outline, reach
+from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
-from sim.stage.trace import Trace
+from sim.stage.steps import CALLS, PARTS, Place, run_steps
 
 
 class Physics:
     """Movers (movable obstacles first, then robots) as bodies, with tables of their states.
 
-    Movers are numbered as they came. `index` must run after every change before `step`.
+    Movers are numbered as they came. `index` must run after every change before `run`.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -33,12 +35,15 @@ class Physics:
         self._drives: list[Any] = []
         self._joints: list[list[pymunk.Constraint]] = []
         self._leaders: list[pymunk.Body | None] = []
-        self._following: list[bool] = []
+        self._led: dict[int, int] = {}  # movers that follow a leader, and its name
         self._names: list[int] = []
-        self._leader_names: list[int] = []
+        self._known = -1  # how many of the names are in `_own`
+        self._own: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self._shapes: dict[Any, int] = {}
-        self._contacts = ContactTable(self._space)
+        self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
+        self._contacts = ContactTable()
         self.table = BodyTable(self._space)
+        self._machine = np.zeros(PARTS, np.uintp)
         self.outlines: NDArray[np.float64] = np.zeros((0, 1, 2))
         """(s, k, 2) Outlines of the shapes that there are, in their own frames."""
         self.sides: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
@@ -46,8 +51,11 @@ class Physics:
 
     def add(self, schema: Any, drive: Any, pose: tuple[float, float, float]) -> Any:
         """Add a mover of a body and a drive (or None) of the schema; returns its record."""
-        body = bodies.dynamic_body(schema, pose)
-        self._space.add(body, bodies.shape_of(body, schema))
+        form = self._forms.get(id(schema))
+        if form is None:
+            form = self._forms[id(schema)] = bodies.form_of(schema)
+        body = bodies.dynamic_body(form, pose)
+        self._space.add(body, bodies.shape_of(body, form))
         joints: list[pymunk.Constraint] = []
         if drive is None:
             joints = bodies.floor_friction(self._ground, body, schema)
@@ -56,24 +64,21 @@ class Physics:
         self._drives.append(drive)
         self._joints.append(joints)
         self._leaders.append(None)
-        self._following.append(False)
         self._names.append(body.id)
-        self._leader_names.append(0)
         record = mover(
             schema,
             drive,
-            moment=body.moment,
-            reach=reach(schema),
-            girth=schema.radius if schema.shape == "circle" else least_width(outline(schema)) / 2,
-            shape=self._shape(schema),
+            moment=form.moment,
+            reach=form.reach,
+            girth=form.girth,
+            shape=self._shape(form.corners),
         )
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
         return record
 
-    def _shape(self, schema: Any) -> int:
-        """The number of a body's outline, which bodies of equal shape share."""
-        corners = np.zeros((0, 2)) if schema.shape == "circle" else outline(schema)
+    def _shape(self, corners: Floats) -> int:
+        """The number of an outline (k, 2), which bodies of equal shape share."""
         key = corners.tobytes()
         if key not in self._shapes:
             self._shapes[key] = len(self._shapes)
@@ -86,17 +91,20 @@ class Physics:
 
     def follow(self, number: int, following: bool) -> None:
         """Attach a driven mover to its leader, or detach it."""
-        if following == self._following[number]:
+        if following == (number in self._led):
             return
         body, drive = self._bodies[number], self._drives[number]
         leader = self._leaders[number]
         if leader is None:
             leader = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            self._leaders[number], self._leader_names[number] = leader, leader.id
+            self._leaders[number] = leader
             self._joints[number] = bodies.follow(leader, body, drive.max_force, drive.max_torque)
         change = self._space.add if following else self._space.remove
         change(leader, *self._joints[number])
-        self._following[number] = following
+        if following:
+            self._led[number] = leader.id
+        else:
+            del self._led[number]
 
     def settle(self, number: int) -> None:
         """Make a mover a standing body."""
@@ -120,44 +128,59 @@ class Physics:
     def index(self, movers: NDArray[Any], touches: Touches) -> None:
         """After a change: find the rows of the movers (n,) in the table, and read it."""
         ids = self.table.index().astype(np.int64)
+        self._machine[:] = (
+            *(address(name) for name in CALLS),
+            pointer(self._space._space),
+            *self.table.readers,
+            *self.table.writers,
+            *self._contacts.readers,
+        )
         order = np.argsort(ids)
         ranked = ids[order]
-        own = np.array(self._names, dtype=np.int64)
-        if len(own):
-            movers["row"] = order[np.searchsorted(ranked, own)]
+        count = len(self._names)
+        if self._known != count:  # who came is named once, not at each change of joints
+            self._known = count
+            self._own = np.array(self._names, dtype=np.int64)
+            standing = np.array(list(self._standing), dtype=np.int64)
+            groups = np.array(list(self._standing.values()), dtype=np.int64)
+            names_of_all = np.concatenate([self._own, standing])
+            things = np.concatenate([np.arange(count), -1 - groups])
+            rank = np.argsort(names_of_all)
+            touches.rename(names_of_all[rank], things[rank])
+        if count:
+            movers["row"] = order[np.searchsorted(ranked, self._own)]
             movers["control"] = -1
-            led = np.nonzero(np.array(self._following))[0]
-            leaders = np.array(self._leader_names, dtype=np.int64)[led]
+            led = np.array(sorted(self._led), dtype=np.int64)
+            leaders = np.array([self._led[number] for number in led.tolist()], dtype=np.int64)
             movers["control"][led] = order[np.searchsorted(ranked, leaders)]
-        standing = np.array(list(self._standing), dtype=np.int64)
-        groups = np.array(list(self._standing.values()), dtype=np.int64)
-        names_of_all = np.concatenate([own, standing])
-        things = np.concatenate([np.arange(len(own)), -1 - groups])
-        rank = np.argsort(names_of_all)
-        touches.rename(names_of_all[rank], things[rank])
 
-    def step(
-        self, piece: float, cuts: int, rounds: int, touches: Touches | None, trace: Trace | None
-    ) -> None:
-        """Write the table's orders, make `cuts` steps of `piece` seconds, and read the table.
+    def run(
+        self,
+        place: Place,
+        movers: NDArray[Any],
+        first: int,
+        order: NDArray[np.int64],
+        clearance: Clearance,
+        interval: float,
+        steps: int,
+        traced: NDArray[np.int64],
+        seen: tuple[Floats, Floats, Floats, NDArray[np.bool_]],
+        touches: Touches,
+    ) -> tuple[Place, Floats]:
+        """Go on with a tick as far as joints need no change; see `steps.run_steps`.
 
-        rounds: how many the solver makes in each. touches: gathers what touches; None where
-        nothing can. trace: notes where bodies are after each piece.
+        seen: poses, velocities, distances and stalls of the robots. touches: gathers what touches.
+        Returns the place, and the notes (m, k, 3) of where the `traced` movers were.
         """
-        self.table.write()
-        if self._space.iterations != rounds:
-            self._space.iterations = rounds
-        for _ in range(cuts):
-            self._space.step(piece)
-            if touches is not None:
-                touching = self._contacts.read()
-                if touching is not None:
-                    touches.add(touching)
-            if trace is not None:
-                self.table.read()
-                trace.note()
-        if trace is None:
-            self.table.read()
+        table = self.table
+        place, pairs, points, ends, notes = run_steps(
+            self._machine, table.state, table.orders, movers, first, len(movers), order,
+            clearance.cells, clearance.cell, self.outlines, self.sides, interval, steps, place,
+            traced, *seen,
+        )  # fmt: skip
+        if len(pairs):
+            touches.add(pairs, points, ends)
+        return place, notes
 
     def poses(self, count: int) -> Floats:
         """Poses (count, 3) of the first movers: x, y, yaw as Chipmunk counts it."""

@@ -9,21 +9,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sim.stage import commands, drive
+from sim.stage import commands
 from sim.stage.clearance import clearance_of
-from sim.stage.closing import pieces
 from sim.stage.contacts import Touches
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
-from sim.stage.limits import DEEPEST
-from sim.stage.meeting import CALM, look_around
+from sim.stage.meeting import CALM
 from sim.stage.physics import Physics, pose_of
 from sim.stage.putting import Places
 from sim.stage.records import CAR, MOVER
-from sim.stage.trace import NO_WAYS, NOBODY, Trace
+from sim.stage.steps import BEGIN
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
+
+NOBODY: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+"""No robot's way is asked for."""
+NO_WAYS: Floats = np.zeros((0, 1, 3))
 
 
 class Stage:
@@ -39,7 +41,6 @@ class Stage:
         self.models = models
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
-        self._dt = clock.interval / self._steps
         self._physics = Physics(layout)
         self._clearance = clearance_of(layout)
         self._movables = len(layout.movables)
@@ -208,48 +209,22 @@ class Stage:
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
         """
-        physics, clear, count = self._physics, self._clearance, self._movables + self._count
-        movers, order, dt = self._movers, self._order, self._dt
         if self._changed:
             self._index()
-        fastest = self._look_around()
-        trace = Trace(physics.table, movers, self._movables + traced) if len(traced) else None
-        for _ in range(self._steps):
-            state = physics.table.state
-            drive.want(state, movers, count, dt)
-            cuts, rounds, quickest = pieces(
-                state, movers, count, order, clear.cells, clear.cell, physics.outlines,
-                physics.sides, dt,
+        count = self._movables + self._count
+        movers, order = self._movers[:count], self._order[:count]
+        seen = self._poses, self._velocities, self._distances, self._stalls
+        place, ways = BEGIN, []
+        while place[0] < self._steps:
+            place, notes = self._physics.run(
+                place, movers, self._movables, order, self._clearance, self._interval, self._steps,
+                self._movables + traced, seen, self._touches,
             )  # fmt: skip
-            # Thrown by something that turns, so that it could meet who was not looked at.
-            if (quickest - fastest) * self._interval > DEEPEST:
-                fastest = self._look_around()
-                state = physics.table.state
-                cuts, rounds, _ = pieces(
-                    state, movers, count, order, clear.cells, clear.cell, physics.outlines,
-                    physics.sides, dt,
-                )  # fmt: skip
-            piece = dt / max(1, cuts)
-            drive.lead(state, physics.table.orders, movers, count, dt, piece)
-            physics.step(piece, max(1, cuts), rounds, self._touches if cuts else None, trace)
-            drive.account(state, movers, count, dt)
-        drive.report(
-            physics.table.state, movers, self._movables, count, self._interval, self._poses,
-            self._velocities, self._distances, self._stalls,
-        )  # fmt: skip
+            ways.append(notes)
+            if place[0] < self._steps:
+                self._attach()
         self._touches.finish(self._contact_counts)
-        return NO_WAYS if trace is None else trace.ways()
-
-    def _look_around(self) -> float:
-        """Give joints to those who may meet something in a tick; no body may be faster (m/s)."""
-        clear, count = self._clearance, self._movables + self._count
-        changes, fastest = look_around(
-            self._physics.table.state, self._movers, count, self._order, clear.cells, clear.cell,
-            self._interval,
-        )  # fmt: skip
-        if changes:
-            self._attach()
-        return float(fastest)
+        return np.concatenate(ways).swapaxes(0, 1).copy() if len(traced) else NO_WAYS
 
     def _attach(self) -> None:
         """Give joints to robots that may meet something, and take them from those far off."""

@@ -1,0 +1,167 @@
+"""A tick's steps of physics as one compiled loop around Chipmunk's own step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import carray  # type: ignore[attr-defined]
+
+from sim.stage import drive
+from sim.stage.chipmunk import (
+    floats_at,
+    for_each,
+    ints_at,
+    set_iterations,
+    step_space,
+    words_at,
+)
+from sim.stage.closing import pieces
+from sim.stage.compiled import compiled
+from sim.stage.limits import DEEPEST
+from sim.stage.meeting import look_around
+
+CALLS = (
+    "cpSpaceStep",
+    "cpSpaceEachBody",
+    "cpSpaceEachCachedArbiter",
+    "cpSpaceSetIterations",
+    "pmSpaceBodyGetIteratorFuncBatched",
+    "pmSpaceBodySetIteratorFuncBatched",
+    "pmSpaceArbiterIteratorFuncBatched",
+)
+"""The functions whose addresses stand first in `machine`, in this order."""
+STEP, EACH_BODY, EACH_ARBITER, SET_ITERATIONS, READ_BODY, WRITE_BODY, READ_ARBITER = range(7)
+SPACE, READ_DATA, READ_BUFFER, WRITE_DATA, WRITE_BUFFER, TOUCH_DATA, TOUCH_WORDS, TOUCH_FLOATS = (
+    range(7, 15)
+)
+"""Then come the addresses of what they work on: see `batch`."""
+PARTS = 15
+"""The length of `machine`."""
+
+Place = tuple[int, float, bool]
+"""How far a tick has come: see `run_steps`."""
+BEGIN: Place = (0, -1.0, False)
+
+
+@compiled
+def _widened(array: Any, rows: int) -> Any:
+    wider = np.empty((max(2 * array.shape[0], rows, 16), *array.shape[1:]), dtype=array.dtype)
+    wider[: array.shape[0]] = array
+    return wider
+
+
+@compiled
+def run_steps(
+    machine: Any,
+    state: Any,
+    orders: Any,
+    movers: Any,
+    first: int,
+    count: int,
+    order: Any,
+    cells: Any,
+    cell: float,
+    outlines: Any,
+    sides: Any,
+    interval: float,
+    steps: int,
+    place: Any,
+    traced: Any,
+    poses: Any,
+    velocities: Any,
+    distances: Any,
+    stalls: Any,
+) -> Any:
+    """Make `steps` steps in `interval` seconds, each cut as finely as bodies that meet need.
+
+    machine (PARTS,): addresses. state, orders (b, 6): the bodies' table. movers: `first` movable
+    obstacles, then robots up to `count`. order (count,): the movers by x, kept from step to step.
+    cells, cell: the clearance of what stands. outlines (s, k, 2) with sides (s,): the movers'
+    shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
+    traced (k,): the movers whose poses are noted.
+
+    place: the step to go on with, how fast (m/s) the fastest may be that was reckoned with when
+    joints were given (negative: look around first), and whether the drives have taken this step
+    in already. Where robots must get or lose their joints in mid-tick the loop returns, to be
+    called again with the place that it returns; at the end that is behind the last step.
+
+    Returns the place; the touching pairs (t, 3) and their points (t, 2, 2, 2) as `ContactTable`
+    has them; the row (s,) at which each step's contacts end; and the notes (m, k, 3) of x, y and
+    yaw, at the beginning of the tick and after every piece.
+    """
+    pairs = np.empty((0, 3), dtype=np.uintp)
+    points = np.empty((0, 2, 2, 2))
+    ends = np.empty(0, dtype=np.int64)
+    notes = np.empty((0, len(traced), 3))
+    rows, found, noted = 0, 0, 0
+    step, fastest, led = place
+    dt = interval / steps
+    space = machine[SPACE]
+    if fastest < 0.0:
+        changes, fastest = look_around(state, movers, count, order, cells, cell, interval)
+        if changes > 0:
+            return (0, fastest, False), pairs, points, ends, notes
+    if step == 0 and not led and len(traced) > 0:
+        notes = _widened(notes, 1)
+        for k in range(len(traced)):
+            notes[0, k] = state[movers[traced[k]].row, :3]
+        noted = 1
+    while step < steps:
+        if not led:
+            drive.want(state, movers, count, dt)
+        cuts, rounds, quickest = pieces(
+            state, movers, count, order, cells, cell, outlines, sides, dt
+        )
+        # Thrown by something that turns, so that it could meet who was not looked at.
+        if not led and (quickest - fastest) * interval > DEEPEST:
+            changes, fastest = look_around(state, movers, count, order, cells, cell, interval)
+            if changes > 0:
+                led = True
+                break
+            cuts, rounds, quickest = pieces(
+                state, movers, count, order, cells, cell, outlines, sides, dt
+            )
+        led = False
+        piece = dt / max(1, cuts)
+        drive.lead(state, orders, movers, count, dt, piece)
+        ints_at(machine[WRITE_BUFFER])[0] = 0
+        for_each(machine[EACH_BODY], space, machine[WRITE_BODY], machine[WRITE_DATA])
+        set_iterations(machine[SET_ITERATIONS], space, np.int32(rounds))
+        for _ in range(max(1, cuts)):
+            step_space(machine[STEP], space, piece)
+            if len(traced) > 0:
+                ints_at(machine[READ_BUFFER])[0] = 0
+                for_each(machine[EACH_BODY], space, machine[READ_BODY], machine[READ_DATA])
+                if noted == notes.shape[0]:
+                    notes = _widened(notes, noted + 1)
+                for k in range(len(traced)):
+                    notes[noted, k] = state[movers[traced[k]].row, :3]
+                noted += 1
+            if cuts == 0:
+                continue
+            words, floats = ints_at(machine[TOUCH_WORDS]), ints_at(machine[TOUCH_FLOATS])
+            words[0], floats[0] = 0, 0
+            for_each(machine[EACH_ARBITER], space, machine[READ_ARBITER], machine[TOUCH_DATA])
+            more = words[0] // 3
+            if more == 0:
+                continue
+            if rows + more > pairs.shape[0]:
+                pairs, points = _widened(pairs, rows + more), _widened(points, rows + more)
+            word_memory = words_at(machine[TOUCH_WORDS])[1]
+            float_memory = words_at(machine[TOUCH_FLOATS])[1]
+            pairs[rows : rows + more] = carray(words_at(word_memory), (more, 3))
+            points[rows : rows + more] = carray(floats_at(float_memory), (more, 2, 2, 2))
+            rows += more
+            if found == ends.shape[0]:
+                ends = _widened(ends, found + 1)
+            ends[found] = rows
+            found += 1
+        if len(traced) == 0:
+            ints_at(machine[READ_BUFFER])[0] = 0
+            for_each(machine[EACH_BODY], space, machine[READ_BODY], machine[READ_DATA])
+        drive.account(state, movers, count, dt)
+        step += 1
+    if step == steps:
+        drive.report(state, movers, first, count, interval, poses, velocities, distances, stalls)
+    return (step, fastest, led), pairs[:rows], points[:rows], ends[:found], notes[:noted]
