@@ -101,6 +101,7 @@ class Engine:
         self.digest = Digest()
         self.pace = Pace(self.settings.realtime)
         self.stalled = b""  # a byte per robot
+        self.told_speed: tuple[int, float] = (0, 0.0)  # at which tick, and what
 
     @property
     def time(self) -> float:
@@ -109,9 +110,14 @@ class Engine:
 
     @property
     def speed(self) -> float | None:
-        """Simulated seconds per wall-clock second so far: for people, not for results."""
-        passed = perf_counter() - self.began
-        return self.time / passed if self.ticks and passed > 0 else None
+        """Simulated seconds per wall-clock second so far: for people, not for results.
+
+        Whoever asks within a tick is told the same, so that a video and a log show one number.
+        """
+        if self.told_speed[0] != self.ticks:
+            passed = perf_counter() - self.began
+            self.told_speed = (self.ticks, self.time / passed if passed > 0 else 0.0)
+        return self.told_speed[1] or None
 
     def run(self, each_tick: Callable[[Engine], None] | None = None) -> Result:
         """Run to the end; the result. Whatever happens, no process is left afterwards."""
@@ -195,7 +201,7 @@ class Engine:
         """All robots perceive, in one batch; only what somebody reads is computed."""
         self.scenery.refresh()
         self.scenery.odometry.update(self.scenery.stage.poses, self.interval, self.ticks)
-        wanted = None if self.settings.sense_all else self.entry.wanted()
+        wanted = None if self.settings.sense_all else self.entry.wanted
         self.scenery.suite.sense(self.ticks, self.time, wanted)
         self.entry.encode(self.ticks)
 

@@ -58,6 +58,7 @@ class Entry:
     encoders: Encoders = field(default_factory=Encoders)
     states: StateEncoder = field(default_factory=StateEncoder)
     flags: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    logged: frozenset[str] = frozenset()  # types of sensors that a log reads; "all": every one
     warned: bool = False  # of an address that others can reach
 
     def __post_init__(self, listen: tuple[str, int] | None) -> None:
@@ -201,6 +202,9 @@ class Entry:
                 sensor = getattr(device, "sensor", None)
                 if sensor is not None:
                     self.flags[suite.first_slot[device.robot] + sensor] = True
+            for group in suite.groups if self.logged else ():
+                if group.type.name in self.logged or "all" in self.logged:
+                    self.flags[group.slots] = True
             self.switchboard.changed = False
         return self.flags
 

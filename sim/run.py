@@ -16,6 +16,7 @@ from sim.worldfile import LoadedWorld
 
 if TYPE_CHECKING:
     from sim.filming import Film
+    from sim.log.recorder import Recorder
 
 EachTick = Callable[[Engine], None]
 
@@ -26,19 +27,22 @@ def run_world(
     *,
     fleet: Fleet | None = None,
     film: Film | None = None,
+    log: Recorder | None = None,
     each_tick: EachTick | None = None,
     say: Callable[[str], None] = lambda line: None,
 ) -> Result:
     """Run a world to its end.
 
     `fleet` may have been started early, so that it gets ready while the world is read. `film`
-    makes a video. `each_tick(engine)` is called after every tick. `say(line)` is given what is
-    meant for people. SIGINT and SIGTERM end the run in an orderly way: the result so far comes
+    makes a video, `log` keeps the run. `each_tick(engine)` is called after every tick.
+    `say(line)` is given what is meant for people. SIGINT and SIGTERM end the run in an orderly way: the result so far comes
     back with the outcome `interrupted`.
     """
     fleet = fleet or Fleet(show=say)
     engine: Engine | None = None
-    watchers = [watch for watch in (film.each_tick if film else None, each_tick) if watch]
+    result: Result | None = None
+    hooks = (log.each_tick if log else None, film.each_tick if film else None, each_tick)
+    watchers = [watch for watch in hooks if watch]
 
     def after_tick(engine: Engine) -> None:
         for watch in watchers:
@@ -46,13 +50,18 @@ def run_world(
 
     try:
         engine = Engine(loaded, settings, fleet, say)
+        if log is not None:
+            engine.entry.logged = log.sensors
         with interruptible(engine):
-            return engine.run(after_tick if watchers else None)
+            result = engine.run(after_tick if watchers else None)
+        return result
     finally:
         if engine is None:
             fleet.close()
         if film is not None:
             film.finish(engine)
+        if log is not None:
+            log.finish(engine, result)
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,18 +13,22 @@ from sim.fleet.fleet import Fleet
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
-    from sim.engine import Engine
+    from sim.engine import Engine, Settings
+    from sim.log.recorder import Recorder
     from sim.result import Result
+    from sim.worldfile import LoadedWorld
 
 EachTick = Callable[["Engine"], None]
 
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of a run; `video_error` says why there is no whole video, where one was due."""
+    """What came out of a run. Errors say why there is no whole video or log, where one was due."""
 
     result: Result
     video_error: str | None
+    log_error: str | None = None
+    log: Path | None = None
 
 
 def run_file(
@@ -40,6 +45,8 @@ def run_file(
     video_speed: float | None,
     video_size: tuple[int, int] | None,
     say: Callable[[str], None],
+    log: str | Path | None = None,
+    log_sensors: Sequence[str] | None = None,
     each_tick: EachTick | None = None,
 ) -> Run:
     """Run a world file; see `troupe.run`. `each_tick(engine)` is called after every tick.
@@ -55,7 +62,14 @@ def run_file(
     for name, given in shaped.items():
         if given is not None and video is None:
             raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
-    fleet = Fleet(show=say)  # first: it gets ready while we load the rest
+    keep: list[Callable[[str], None]] = []  # the log, once it is open, is told what people are
+
+    def tell(line: str) -> None:
+        say(line)
+        for one in keep:
+            one(line)
+
+    fleet = Fleet(show=tell)  # first: it gets ready while we load the rest
     try:
         from sim.engine import Settings  # noqa: PLC0415
         from sim.filming import Film, open_recorder  # noqa: PLC0415
@@ -76,12 +90,16 @@ def run_file(
         )
         film = None
         if video is not None:
-            recorder = open_recorder(
+            video_recorder = open_recorder(
                 Path(video), loaded, fps=video_fps, speed=video_speed, size=video_size
             )
-            film = Film(recorder)
-            if recorder.notice:
-                say(recorder.notice)
+            film = Film(video_recorder)
+            if video_recorder.notice:
+                say(video_recorder.notice)
+        recorder = open_log_of(loaded, told, log, log_sensors, settings)
+        if recorder is not None:
+            keep.append(recorder.line)
+            recorder.complain = say
     except BaseException:
         fleet.close()
         raise
@@ -93,5 +111,47 @@ def run_file(
             each_tick(engine)
 
     with compiling:
-        result = run_world(loaded, told, fleet=fleet, film=film, each_tick=after_tick, say=say)
-    return Run(result, None if film is None else film.recorder.error)
+        result = run_world(
+            loaded, told, fleet=fleet, film=film, log=recorder, each_tick=after_tick, say=tell
+        )
+    return Run(
+        result,
+        None if film is None else film.recorder.error,
+        None if recorder is None else recorder.writer.error,
+        None if recorder is None else recorder.writer.path,
+    )
+
+
+def open_log_of(
+    loaded: LoadedWorld,
+    told: Settings,
+    path: str | Path | None,
+    sensors: Sequence[str] | None,
+    settings: Sequence[str],
+) -> Recorder | None:
+    """The log that was asked for here or in the world file, if any; raises LogError, UsageError."""
+    asked = loaded.world.log
+    if path is None and asked is None:
+        if sensors:
+            raise UsageError("log sensors: there is no log to be written; name its file: run.mcap")
+        return None
+    from sim.engine import label  # noqa: PLC0415
+    from sim.log.recorder import open_log  # noqa: PLC0415
+    from troupe.about import machine, versions  # noqa: PLC0415
+
+    if sensors is None:
+        sensors = () if asked is None else asked.sensors
+    about = {
+        "world": label(loaded.path),
+        "title": loaded.world.name or loaded.path.stem,
+        "seed": str(told.seed),
+        "duration": repr(told.duration),
+        "interval": repr(loaded.world.clock.interval),
+        "settings": json.dumps(list(settings)),
+        "sensors": ",".join(sensors),
+        "machine": machine(),
+        **versions(),
+    }
+    return open_log(
+        Path(path if asked is None or path is not None else asked.file), loaded, sensors, about
+    )

@@ -54,6 +54,10 @@ class Stage:
         for number, movable in enumerate(layout.movables):
             self._movers[number] = self._physics.add(movable.body, None, movable.pose)
         self._changed = True
+        self.hands: list[tuple[int, tuple[float, float, float] | None]] = []
+        """What no wheel did between the latest tick and the one before, in its order: robots put
+        down at a pose, and robots that became standing bodies (None)."""
+        self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
 
     # --- robots come, stand still, are moved by hand
 
@@ -80,6 +84,7 @@ class Stage:
             return
         self._physics.settle(self._movables + robot)
         record["standing"], record["driven"] = True, False
+        self._hands.append((robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
         self._stalls[robot] = False
@@ -93,6 +98,7 @@ class Stage:
         """
         at = pose_of(pose)
         record = self._record(robot)
+        self._hands.append((robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]
         self._rest(record)
@@ -180,6 +186,8 @@ class Stage:
         """
         physics, clear, count = self._physics, self._clearance, self._movables + self._count
         movers, order, dt = self._movers, self._order, self._dt
+        if self._hands or self.hands:
+            self.hands, self._hands = self._hands, []
         if self._changed:
             self._index()
         if look_around(
@@ -237,7 +245,8 @@ class Stage:
     # --- what there is to see
 
     @property
-    def _robots(self) -> NDArray[Any]:
+    def records(self) -> NDArray[Any]:
+        """(n,) of dtype MOVER: all that is known of each robot, the command in force included."""
         return self._movers[self._movables : self._movables + self._count]
 
     def _record(self, robot: int) -> Any:
@@ -288,7 +297,7 @@ class Stage:
     @property
     def settled(self) -> Bools:
         """(n,) Which are standing bodies."""
-        standing: Bools = self._robots["standing"]
+        standing: Bools = self.records["standing"]
         return standing
 
     @property

@@ -35,6 +35,7 @@ __all__ = [
     "Door",
     "Drive",
     "Floor",
+    "Log",
     "Map",
     "Model",
     "Obstacle",
@@ -306,6 +307,25 @@ class Player(Part):
     )
 
 
+def _log(value: Any) -> Any:
+    return {"file": value} if isinstance(value, str) else value
+
+
+def _names(value: Any) -> Any:
+    return (value,) if isinstance(value, str) else value
+
+
+class Log(Part):
+    """The log of every run of the world that is not given another."""
+
+    file: FileName = Field(description="*.mcap; a relative name starts at the current folder")
+    sensors: Annotated[tuple[str, ...], BeforeValidator(_names)] = Field(
+        default=(),
+        description="whose readings are kept as well: all, or types such as laser, blobfinder, "
+        "odometry, commands",
+    )
+
+
 class World(Part):
     """A world: a floor, what stands on it, robots, and the programs that drive them."""
 
@@ -344,6 +364,9 @@ class World(Part):
         default={}, description="programs that drive robots, by name"
     )
     player: Player = Field(default=Player(), description="how Player's clients reach the robots")
+    log: Annotated[Log | None, BeforeValidator(_log)] = Field(
+        default=None, description="a file, or its file and sensors: where runs are kept"
+    )
 
     @model_validator(mode="after")
     def _has_size_and_region(self) -> Self:

@@ -52,6 +52,19 @@ def run(
         str | None,
         typer.Option(metavar="WxH", help="Pixels. [default: the world's shape, 840 at the most]"),
     ] = None,
+    log: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.mcap", help="Keep the run: all that moves, is said, is painted."
+        ),
+    ] = None,
+    log_sensors: Annotated[
+        str | None,
+        typer.Option(
+            metavar="all|NAMES",
+            help="Keep readings in the log as well: all, or laser,blobfinder,odometry,...",
+        ),
+    ] = None,
     realtime: Annotated[
         float | None,
         typer.Option(
@@ -75,7 +88,7 @@ def run(
     try:
         code = run_and_print(
             world, seed, duration, set_ or [], as_json, quiet, video, video_fps, video_speed,
-            video_size, realtime, listen, patience,
+            video_size, log, log_sensors, realtime, listen, patience,
         )  # fmt: skip
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -94,12 +107,15 @@ def run_and_print(
     video_fps: float | None,
     video_speed: float | None,
     video_size: str | None,
+    log: Path | None,
+    log_sensors: str | None,
     realtime: float | None,
     listen: str | None,
     patience: float,
 ) -> int:
     """The exit code of a run; mistakes are told on standard error."""
-    from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.log.errors import LogError  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.video.errors import VideoError  # noqa: PLC0415
     from sim.video.projection import parse_size  # noqa: PLC0415
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
@@ -119,10 +135,12 @@ def run_and_print(
                 video_fps=video_fps,
                 video_speed=video_speed,
                 video_size=None if video_size is None else parse_size(video_size),
+                log=log,
+                log_sensors=None if log_sensors is None else parse_names(log_sensors),
                 say=screen.say,
                 each_tick=screen.progress,
             )
-    except (UsageError, VideoError, WorldError) as error:
+    except (UsageError, VideoError, WorldError, LogError) as error:
         print(error, file=sys.stderr)
         return 2
     except OSError as error:  # an address that cannot be had, no process to be made
@@ -140,7 +158,7 @@ def run_and_print(
         from troupe.summary import summary  # noqa: PLC0415
 
         print(summary(result, video if done.video_error is None else None))
-    return result.exit_code or int(done.video_error is not None)
+    return result.exit_code or int(done.video_error is not None or done.log_error is not None)
 
 
 def parse_listen(text: str) -> tuple[str, int]:
@@ -149,3 +167,8 @@ def parse_listen(text: str) -> tuple[str, int]:
     if not port.isdecimal() or not 0 <= int(port) <= 65535:
         raise UsageError(f"--listen {text}: must be HOST:PORT, such as 127.0.0.1:6665")
     return host.strip("[]") or "127.0.0.1", int(port)
+
+
+def parse_names(text: str) -> list[str]:
+    """Names between commas."""
+    return [name.strip() for name in text.split(",") if name.strip()]

@@ -1,0 +1,224 @@
+"""The states of many ticks as blocks of messages: each kind of message built in a few numpy calls."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.log import commands
+from sim.log.blocks import Block, block, single
+from sim.log.cdr import Template, encode, stamp, template
+from sim.log.container import Channels
+from sim.log.floor import FloorMirror
+from sim.log.frames import WORLD, base
+from sim.log.moment import Event, TickState
+from sim.log.readings import Memo, odometry_blocks, reading_blocks
+
+METRES, TURNS = 2.0**13, 2.0**14
+"""Steps to which /tf is rounded: an eighth of a millimetre, and of quaternions what turns by 1e-4 rad
+at the most. Binary fractions end in zeros, which compress; the exact poses are in /troupe/state."""
+SPEEDS = 2.0**20
+TRANSFORMS = 64
+"""Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""
+STATE, COMMANDS, CONTACTS, PAINT = (
+    f"troupe_msgs/{name}" for name in ("State", "Commands", "Contacts", "Paint")
+)
+
+
+class Batches:
+    """Turns ticks and events into blocks; knows what was last written of what goes out as changes."""
+
+    def __init__(self, channels: Channels) -> None:
+        self.channels = channels
+        self.names: list[str] = []  # of robots, as ROS takes them
+        self.floor: FloorMirror | None = None
+        self.commands = np.zeros((0, commands.WIDTH))
+        self.clock = template("rosgraph_msgs/Clock", {})
+        self.transforms: dict[tuple[str, ...], Template] = {}
+        self.states: dict[tuple[int, int], Template] = {}
+        self.counted = np.zeros(0, np.int64)
+        self.odometry: Memo = {}
+        self.sequence = 0
+
+    def blocks(self, ticks: Sequence[TickState]) -> list[Block]:
+        """Blocks of ticks with the same robots, in their order."""
+        if not ticks:
+            return []
+        n = len(ticks[0].poses)
+        numbers = np.array([state.tick for state in ticks], np.uint32)
+        times = np.array([state.time for state in ticks])
+        nanoseconds = np.rint(times * 1e9).astype(np.uint64)
+        seconds, rest = nanoseconds // 10**9, nanoseconds % 10**9
+        poses = joined([state.poses for state in ticks]).reshape(len(ticks), n, 3)
+        found = [
+            block(
+                self.clock.filled(len(ticks), {"clock.sec": seconds, "clock.nanosec": rest}),
+                self.channels.channel("/clock", "rosgraph_msgs/Clock"),
+                numbers,
+                nanoseconds,
+            )
+        ]
+        when = numbers, nanoseconds, seconds, rest
+        found += self.transform_blocks(poses, *when)
+        found.append(self.state_block(ticks, poses, *when))
+        found += self.change_blocks(ticks)
+        if ticks[0].odometry is not None:
+            found += odometry_blocks(self.channels, self.odometry, self.names, ticks, when)
+        found += reading_blocks(self.channels, ticks)
+        return found
+
+    def transform_blocks(
+        self,
+        poses: NDArray[np.float64],
+        numbers: NDArray[np.uint32],
+        nanoseconds: NDArray[np.uint64],
+        seconds: NDArray[np.uint64],
+        rest: NDArray[np.uint64],
+    ) -> list[Block]:
+        """/tf: every robot's body in the world."""
+        channel = self.channels.channel("/tf", "tf2_msgs/TFMessage")
+        found = []
+        for first in range(0, poses.shape[1], TRANSFORMS):
+            part = poses[:, first : first + TRANSFORMS]
+            names = tuple(self.names[first : first + part.shape[1]])
+            bodies = self.transform_template(names).filled(
+                len(poses),
+                {
+                    "transforms.header.stamp.sec": seconds,
+                    "transforms.header.stamp.nanosec": rest,
+                    "transforms.transform.translation.x": np.rint(part[..., 0] * METRES) / METRES,
+                    "transforms.transform.translation.y": np.rint(part[..., 1] * METRES) / METRES,
+                    "transforms.transform.rotation.z": rounded_turn(np.sin(0.5 * part[..., 2])),
+                    "transforms.transform.rotation.w": rounded_turn(np.cos(0.5 * part[..., 2])),
+                },
+            )
+            found.append(block(bodies, channel, numbers, nanoseconds))
+        return found
+
+    def transform_template(self, names: tuple[str, ...]) -> Template:
+        if names not in self.transforms:
+            if len(names) < TRANSFORMS:  # the last ones: more robots may come
+                self.transforms = {
+                    known: one for known, one in self.transforms.items() if len(known) == TRANSFORMS
+                }
+            entries = [
+                {"header": {"frame_id": WORLD}, "child_frame_id": base(name)} for name in names
+            ]
+            self.transforms[names] = template("tf2_msgs/TFMessage", {"transforms": entries})
+        return self.transforms[names]
+
+    def state_block(
+        self,
+        ticks: Sequence[TickState],
+        poses: NDArray[np.float64],
+        numbers: NDArray[np.uint32],
+        nanoseconds: NDArray[np.uint64],
+        seconds: NDArray[np.uint64],
+        rest: NDArray[np.uint64],
+    ) -> Block:
+        """/troupe/state: all that moves, exactly."""
+        count, n, m = len(ticks), poses.shape[1], len(ticks[0].movables)
+        values = {
+            "stamp.sec": seconds,
+            "stamp.nanosec": rest,
+            "tick": numbers,
+            "coverage": np.array([state.coverage for state in ticks]),
+            "speed": np.array([state.speed for state in ticks]),
+        }
+        if n:
+            speeds = joined([state.velocities for state in ticks]).reshape(count, 3 * n)
+            values |= {
+                "colors": joined([state.colors for state in ticks]).reshape(count, n),
+                "contacts": joined([state.contacts for state in ticks]).reshape(count, n),
+                "stalls": joined([state.stalls for state in ticks]).reshape(count, n),
+                "velocities": np.rint(speeds * SPEEDS) / SPEEDS,
+                "poses": poses.reshape(count, 3 * n),
+            }
+        if m:
+            movables = joined([state.movables for state in ticks])
+            values["movable_poses"] = movables.reshape(count, 3 * m)
+        bodies = self.state_template(n, m).filled(count, values)
+        return block(bodies, self.channels.channel("/troupe/state", STATE), numbers, nanoseconds)
+
+    def state_template(self, n: int, m: int) -> Template:
+        if (n, m) not in self.states:
+            self.states = {(n, m): state_template(n, m)}
+        return self.states[n, m]
+
+    def change_blocks(self, ticks: Sequence[TickState]) -> list[Block]:
+        """What goes out where it has changed: commands, contacts, paint."""
+        n = len(ticks[0].poses)
+        found: list[Block] = []
+        new = n - len(self.commands)
+        if new > 0:
+            fresh = np.zeros((new, commands.WIDTH))
+            fresh[:, commands.MOTORS] = 1.0
+            self.commands = np.concatenate([self.commands, fresh])
+            self.counted = np.concatenate([self.counted, np.zeros(new, np.int64)])
+        told = commands.table(np.concatenate([state.movers for state in ticks]))
+        told = told.reshape(len(ticks), n, commands.WIDTH)
+        before = np.concatenate([self.commands[None], told[:-1]])
+        for index in np.flatnonzero((told != before).any(axis=(1, 2))).tolist():
+            robots, given = commands.changes(before[index], told[index])
+            if len(robots):
+                found.append(self.single(commands_event(ticks[index], robots, given)))
+        self.commands = told[-1]
+        for state in ticks:
+            if state.touched is not None:
+                began = np.flatnonzero(state.contacts != self.counted)
+                self.counted = state.contacts
+                robots, points = state.touched
+                shown = np.isin(robots, began)
+                if shown.any():
+                    values = {"robots": robots[shown], "points": points[shown].reshape(-1)}
+                    found.append(
+                        self.single(tick_event(state, "/troupe/contacts", CONTACTS, values))
+                    )
+            if state.painted and self.floor is not None:
+                changed = self.floor.changes(state.painted)
+                if changed is not None:
+                    found.append(self.single(tick_event(state, "/troupe/paint", PAINT, changed)))
+        return found
+
+    def single(self, event: Event) -> Block:
+        """The message of an event."""
+        self.sequence += 1
+        channel = self.channels.channel(event.topic, event.type)
+        values = {"stamp": stamp(event.time), **event.values}
+        return single(encode(event.type, values), channel, self.sequence, round(event.time * 1e9))
+
+
+def state_template(n: int, m: int) -> Template:
+    """The layout of /troupe/state for n robots and m obstacles that can be pushed."""
+    lengths = {
+        "colors": n, "contacts": n, "stalls": n, "velocities": 3 * n, "poses": 3 * n,
+        "movable_poses": 3 * m,
+    }  # fmt: skip
+    return template(STATE, {name: np.zeros(length) for name, length in lengths.items()})
+
+
+def tick_event(state: TickState, topic: str, kind: str, values: dict[str, object]) -> Event:
+    return Event(state.time, topic, kind, {"tick": state.tick, **values})
+
+
+def commands_event(state: TickState, robots: NDArray[np.intp], given: NDArray[np.float64]) -> Event:
+    values = {
+        "robots": robots,
+        "modes": given[:, commands.MODE],
+        "motors": given[:, commands.MOTORS] != 0.0,
+        "values": given[:, : len(commands.NUMBERS)].reshape(-1),
+    }
+    return tick_event(state, "/troupe/commands", COMMANDS, values)
+
+
+def rounded_turn(part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A part of a quaternion, rounded."""
+    rounded: NDArray[np.float64] = np.rint(part * TURNS) / TURNS
+    return rounded
+
+
+def joined(arrays: Sequence[NDArray[np.generic]]) -> NDArray[np.generic]:
+    """The arrays one after the other."""
+    return np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
