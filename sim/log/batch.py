@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from sim.log.floor import FloorMirror
 from sim.log.frames import WORLD, base
 from sim.log.moment import Event, TickState
 from sim.log.readings import Memo, odometry_blocks, reading_blocks
+from sim.stage.records import MOVER
 
 METRES, TURNS = 2.0**13, 2.0**14
 """Steps to which /tf is rounded: an eighth of a millimetre, and of quaternions what turns by 1e-4 rad
@@ -22,6 +24,8 @@ at the most. Binary fractions end in zeros, which compress; the exact poses are 
 SPEEDS = 2.0**20
 TRANSFORMS = 64
 """Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""
+MOST_LAYOUTS = 64
+TWIST = "geometry_msgs/Twist"
 STATE, COMMANDS, CONTACTS, PAINT = (
     f"troupe_msgs/{name}" for name in ("State", "Commands", "Contacts", "Paint")
 )
@@ -38,6 +42,9 @@ class Batches:
         self.clock = template("rosgraph_msgs/Clock", {})
         self.transforms: dict[tuple[str, ...], Template] = {}
         self.states: dict[tuple[int, int], Template] = {}
+        self.tellings: dict[int, Template] = {}
+        self.twist = template(TWIST, {})
+        self.with_twists = False
         self.counted = np.zeros(0, np.int64)
         self.odometry: Memo = {}
         self.sequence = 0
@@ -46,12 +53,12 @@ class Batches:
         """Blocks of ticks with the same robots, in their order."""
         if not ticks:
             return []
-        n = len(ticks[0].poses)
+        n = ticks[0].robots
         numbers = np.array([state.tick for state in ticks], np.uint32)
         times = np.array([state.time for state in ticks])
         nanoseconds = np.rint(times * 1e9).astype(np.uint64)
         seconds, rest = nanoseconds // 10**9, nanoseconds % 10**9
-        poses = joined([state.poses for state in ticks]).reshape(len(ticks), n, 3)
+        poses = joined([state.poses for state in ticks], float).reshape(len(ticks), n, 3)
         found = [
             block(
                 self.clock.filled(len(ticks), {"clock.sec": seconds, "clock.nanosec": rest}),
@@ -119,7 +126,7 @@ class Batches:
         rest: NDArray[np.uint64],
     ) -> Block:
         """/troupe/state: all that moves, exactly."""
-        count, n, m = len(ticks), poses.shape[1], len(ticks[0].movables)
+        count, n, m = len(ticks), poses.shape[1], len(ticks[0].movables) // 24
         values = {
             "stamp.sec": seconds,
             "stamp.nanosec": rest,
@@ -128,16 +135,16 @@ class Batches:
             "speed": np.array([state.speed for state in ticks]),
         }
         if n:
-            speeds = joined([state.velocities for state in ticks]).reshape(count, 3 * n)
+            speeds = joined([state.velocities for state in ticks], float).reshape(count, 3 * n)
             values |= {
-                "colors": joined([state.colors for state in ticks]).reshape(count, n),
-                "contacts": joined([state.contacts for state in ticks]).reshape(count, n),
-                "stalls": joined([state.stalls for state in ticks]).reshape(count, n),
+                "colors": joined([state.colors for state in ticks], np.uint32).reshape(count, n),
+                "contacts": joined([state.contacts for state in ticks], np.int64).reshape(count, n),
+                "stalls": joined([state.stalls for state in ticks], bool).reshape(count, n),
                 "velocities": np.rint(speeds * SPEEDS) / SPEEDS,
                 "poses": poses.reshape(count, 3 * n),
             }
         if m:
-            movables = joined([state.movables for state in ticks])
+            movables = joined([state.movables for state in ticks], float)
             values["movable_poses"] = movables.reshape(count, 3 * m)
         bodies = self.state_template(n, m).filled(count, values)
         return block(bodies, self.channels.channel("/troupe/state", STATE), numbers, nanoseconds)
@@ -149,7 +156,7 @@ class Batches:
 
     def change_blocks(self, ticks: Sequence[TickState]) -> list[Block]:
         """What goes out where it has changed: commands, contacts, paint."""
-        n = len(ticks[0].poses)
+        n = ticks[0].robots
         found: list[Block] = []
         new = n - len(self.commands)
         if new > 0:
@@ -157,18 +164,12 @@ class Batches:
             fresh[:, commands.MOTORS] = 1.0
             self.commands = np.concatenate([self.commands, fresh])
             self.counted = np.concatenate([self.counted, np.zeros(new, np.int64)])
-        told = commands.table(np.concatenate([state.movers for state in ticks]))
-        told = told.reshape(len(ticks), n, commands.WIDTH)
-        before = np.concatenate([self.commands[None], told[:-1]])
-        for index in np.flatnonzero((told != before).any(axis=(1, 2))).tolist():
-            robots, given = commands.changes(before[index], told[index])
-            if len(robots):
-                found.append(self.single(commands_event(ticks[index], robots, given)))
-        self.commands = told[-1]
+        found += self.command_blocks(ticks, n)
         for state in ticks:
             if state.touched is not None:
-                began = np.flatnonzero(state.contacts != self.counted)
-                self.counted = state.contacts
+                counted = np.frombuffer(state.contacts, np.int64)
+                began = np.flatnonzero(counted != self.counted)
+                self.counted = counted
                 robots, points = state.touched
                 shown = np.isin(robots, began)
                 if shown.any():
@@ -180,6 +181,59 @@ class Batches:
                 changed = self.floor.changes(state.painted)
                 if changed is not None:
                     found.append(self.single(tick_event(state, "/troupe/paint", PAINT, changed)))
+        return found
+
+    def command_blocks(self, ticks: Sequence[TickState], n: int) -> list[Block]:
+        """/troupe/commands, and each robot's velocity on /NAME/cmd_vel where that is wanted."""
+        told = [state for state in ticks if state.movers]  # of the others none was told anything
+        if not told:
+            return []
+        tables = commands.table(joined([state.movers for state in told], MOVER))
+        tables = tables.reshape(len(told), n, commands.WIDTH)
+        before = np.concatenate([self.commands[None], tables[:-1]])
+        self.commands = tables[-1]
+        alike: dict[int, list[tuple[TickState, NDArray[np.intp], NDArray[np.float64]]]] = {}
+        for index in np.flatnonzero((tables != before).any(axis=(1, 2))).tolist():
+            robots, given = commands.changes(before[index], tables[index])
+            if len(robots):
+                alike.setdefault(len(robots), []).append((told[index], robots, given))
+        return [one for k, given in alike.items() for one in self.told_blocks(k, given)]
+
+    def told_blocks(
+        self, k: int, told: Sequence[tuple[TickState, NDArray[np.intp], NDArray[np.float64]]]
+    ) -> list[Block]:
+        """Commands to k robots each."""
+        if k not in self.tellings:
+            lengths = {"robots": k, "modes": k, "motors": k, "values": k * len(commands.NUMBERS)}
+            zeros = {name: np.zeros(length) for name, length in lengths.items()}
+            if len(self.tellings) > MOST_LAYOUTS:
+                self.tellings.clear()
+            self.tellings[k] = template(COMMANDS, zeros)
+        numbers = np.array([state.tick for state, _, _ in told], np.uint32)
+        times = np.rint([state.time * 1e9 for state, _, _ in told]).astype(np.uint64)
+        robots = np.stack([which for _, which, _ in told])
+        given = np.stack([values for _, _, values in told])
+        values = {
+            "stamp.sec": times // 10**9,
+            "stamp.nanosec": times % 10**9,
+            "tick": numbers,
+            "robots": robots,
+            "modes": given[:, :, commands.MODE],
+            "motors": given[:, :, commands.MOTORS],
+            "values": given[:, :, : len(commands.NUMBERS)].reshape(len(told), -1),
+        }
+        channel = self.channels.channel("/troupe/commands", COMMANDS)
+        found = [block(self.tellings[k].filled(len(told), values), channel, numbers, times)]
+        if self.with_twists:
+            topics = [
+                self.channels.channel(f"/{self.names[robot]}/cmd_vel", TWIST)
+                for robot in robots.reshape(-1).tolist()
+            ]
+            flat = given.reshape(-1, commands.WIDTH)
+            bodies = self.twist.filled(
+                len(flat), {"linear.x": flat[:, 0], "linear.y": flat[:, 1], "angular.z": flat[:, 2]}
+            )
+            found.append(block(bodies, topics, np.repeat(numbers, k), np.repeat(times, k)))
         return found
 
     def single(self, event: Event) -> Block:
@@ -203,22 +257,12 @@ def tick_event(state: TickState, topic: str, kind: str, values: dict[str, object
     return Event(state.time, topic, kind, {"tick": state.tick, **values})
 
 
-def commands_event(state: TickState, robots: NDArray[np.intp], given: NDArray[np.float64]) -> Event:
-    values = {
-        "robots": robots,
-        "modes": given[:, commands.MODE],
-        "motors": given[:, commands.MOTORS] != 0.0,
-        "values": given[:, : len(commands.NUMBERS)].reshape(-1),
-    }
-    return tick_event(state, "/troupe/commands", COMMANDS, values)
-
-
 def rounded_turn(part: NDArray[np.float64]) -> NDArray[np.float64]:
     """A part of a quaternion, rounded."""
     rounded: NDArray[np.float64] = np.rint(part * TURNS) / TURNS
     return rounded
 
 
-def joined(arrays: Sequence[NDArray[np.generic]]) -> NDArray[np.generic]:
-    """The arrays one after the other."""
-    return np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
+def joined(arrays: Sequence[bytes], dtype: Any) -> NDArray[Any]:
+    """The arrays of a type, given as their bytes, one after the other."""
+    return np.frombuffer(b"".join(arrays), dtype)

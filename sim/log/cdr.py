@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,14 +15,19 @@ from sim.log.definitions import PRIMITIVES, fields
 HEAD = b"\x00\x01\x00\x00"
 """Begins every message: plain CDR, little-endian. Alignment counts from behind it."""
 DTYPES = {name: np.dtype(kind) for name, kind in PRIMITIVES.items()}
+STRUCTS = {name: struct.Struct("<" + kind.char) for name, kind in DTYPES.items()}
 Places = dict[str, list[int]]
 
 
 class Encoder:
-    """One message that is being written; `places` says where in `data` each field's values stand."""
+    """One message that is being written.
 
-    def __init__(self) -> None:
+    With `traced`, `places` says where in `data` each field's values stand, `kinds` of which type.
+    """
+
+    def __init__(self, traced: bool = False) -> None:
         self.data = bytearray()
+        self.traced = traced
         self.places: Places = {}
         self.kinds: dict[str, np.dtype[Any]] = {}
 
@@ -29,12 +35,12 @@ class Encoder:
         """Append a message of a type; fields that `values` has not are 0 or empty."""
         for field in fields(name):
             value = values.get(field.name)
-            where = f"{path}.{field.name}" if path else field.name
+            where = f"{path}.{field.name}" if self.traced and path else field.name
             if field.length is None:
                 self._one(field.type, value, where)
             elif field.length == 0:
                 value = () if value is None else value
-                self._numbers(DTYPES["uint32"], len(value), f"{where}#")
+                self._number("uint32", len(value), where + "#")
                 self._many(field.type, value, where)
             else:
                 self._many(field.type, [0] * field.length if value is None else value, where)
@@ -42,15 +48,15 @@ class Encoder:
     def _one(self, kind: str, value: Any, path: str) -> None:
         if kind == "string":
             data = (value or "").encode(errors="replace") + b"\0"
-            self._numbers(DTYPES["uint32"], len(data), f"{path}#")
-            self.places.setdefault(path, []).extend(
-                range(len(self.data), len(self.data + data) - 1)
-            )
+            self._number("uint32", len(data), path + "#")
+            if self.traced:
+                start = len(self.data)
+                self.places.setdefault(path, []).extend(range(start, start + len(data) - 1))
             self.data += data
-        elif kind in DTYPES:
-            self._numbers(DTYPES[kind], 0 if value is None else value, path)
+        elif kind in STRUCTS:
+            self._number(kind, value or 0, path)
         else:
-            self.message(kind, {} if value is None else value, path)
+            self.message(kind, value or {}, path)
 
     def _many(self, kind: str, values: Any, path: str) -> None:
         if kind in DTYPES:
@@ -63,12 +69,24 @@ class Encoder:
             for value in values:
                 self._one(kind, value, path)
 
+    def _number(self, kind: str, value: Any, path: str) -> None:
+        packed = STRUCTS[kind]
+        over = len(self.data) % packed.size
+        if over:
+            self.data += bytes(packed.size - over)
+        if self.traced:
+            self.places.setdefault(path, []).append(len(self.data))
+            self.kinds[path] = DTYPES[kind]
+        self.data += packed.pack(value)
+
     def _numbers(self, dtype: np.dtype[Any], values: Any, path: str) -> None:
-        numbers = np.atleast_1d(np.asarray(values, dtype)).reshape(-1)
-        self.data += bytes(-len(self.data) % dtype.itemsize)
-        at, size = len(self.data), dtype.itemsize
-        self.places.setdefault(path, []).extend(range(at, at + size * len(numbers), size))
-        self.kinds[path] = dtype
+        numbers = np.asarray(values, dtype).reshape(-1)
+        size = dtype.itemsize
+        self.data += bytes(-len(self.data) % size)
+        if self.traced:
+            at = len(self.data)
+            self.places.setdefault(path, []).extend(range(at, at + size * len(numbers), size))
+            self.kinds[path] = dtype
         self.data += numbers.tobytes()
 
 
@@ -163,7 +181,7 @@ class Template:
 
 def template(name: str, values: Mapping[str, Any]) -> Template:
     """A template of a type whose arrays and texts are as long as those of `values`."""
-    encoder = Encoder()
+    encoder = Encoder(traced=True)
     encoder.message(name, values)
     size = len(encoder.data)
     body = np.frombuffer(bytes(encoder.data) + bytes(-size % 8), np.uint8)

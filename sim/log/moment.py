@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,25 +60,33 @@ class SensorGroup:
     layouts: dict[Hashable, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class TickState:
-    """All that moves, at the end of one tick. Arrays over robots as they stand; copies."""
+class TickState(NamedTuple):
+    """All that moves, at the end of one tick.
+
+    What stands for n robots is the bytes of an array, which are copied in no time; its type is
+    given for each.
+    """
 
     tick: int
     time: float
     speed: float
     coverage: float
-    colors: NDArray[np.uint32]
-    poses: Floats
-    """(n, 3)"""
-    velocities: Floats
-    """(n, 3)"""
-    stalls: NDArray[np.bool_]
-    contacts: NDArray[np.int64]
-    movers: NDArray[Any]
-    """(n,) the stage's records, of which the commands count."""
-    movables: Floats
-    """(m, 3)"""
+    robots: int
+    """n"""
+    colors: bytes
+    """(n,) uint32"""
+    poses: bytes
+    """(n, 3) float64"""
+    velocities: bytes
+    """(n, 3) float64"""
+    stalls: bytes
+    """(n,) bool"""
+    contacts: bytes
+    """(n,) int64"""
+    movers: bytes
+    """(n,) MOVER: the stage's records, of which the commands count; empty: as in the tick before."""
+    movables: bytes
+    """(m, 3) float64"""
     odometry: Floats | None = None
     """(n, 3) where it is logged."""
     fans: Sequence[Fans] = ()
@@ -87,8 +95,6 @@ class TickState:
     """Windows of the floor that may have changed: first row, first column, owners."""
     touched: tuple[NDArray[np.int64], Floats] | None = None
     """Robots and points of this tick's contacts."""
-    hands: Sequence[tuple[int, tuple[float, float, float] | None]] = ()
-    """Robots put down at a pose, or settled (None), in their order."""
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def odometry_blocks(
         ], [f"/{name}/odom" for name in names]
 
     poses = np.stack([state.odometry for state in ticks if state.odometry is not None])
-    speeds = np.stack([state.velocities for state in ticks])
+    speeds = np.frombuffer(b"".join([state.velocities for state in ticks])).reshape(poses.shape)
     found = []
     paths = ("header.frame_id", "child_frame_id")
     for kin in kin_of(channels, memo, len(names), "nav_msgs/Odometry", messages, paths):

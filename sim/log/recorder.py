@@ -32,6 +32,8 @@ NOUNS = {"scan": "scan", "intensities": "scan", "elements": "range", "blobs": "b
 OF_ROBOTS = ("odometry", "commands")
 """What a log can hold of all robots besides their sensors' readings."""
 LEVELS = {"info": 20}
+LOOK = 16
+"""Ticks after which one looks for news even where no client is connected."""
 
 
 def open_log(
@@ -64,6 +66,7 @@ def open_log(
         writer.close({})
         path.unlink(missing_ok=True)
         raise
+    writer.batches.with_twists = ALL in sensors or "commands" in sensors
     return Recorder(writer, loaded, frozenset(sensors))
 
 
@@ -86,17 +89,18 @@ class Recorder:
         self.properties: list[dict[str, Any]] = []
         self.states: list[Any] = []
         self.colors: list[int] = []
-        self.color_array = np.zeros(0, np.uint32)
+        self.color_bytes = b""
         self.distances = np.zeros(0)
-        self.poses = np.zeros((0, 3))
-        self.contacts = np.zeros(0, np.int64)
+        self.contacts = b""
+        self.told = -1  # the stage's count of commands when they were last looked at
         self.drawn: dict[int, list[Any]] = {}
         self.flags: Any = self
         self.groups: dict[int, SensorGroup | None] = {}
         self.reach: dict[tuple[int, int], float] = {}
         self.floor: Floor | None = None
         self.sprayed = False
-        self.no_movables = np.zeros((0, 3))
+        self.movables = len(loaded.layout.movables)
+        self.wants_odometry = self.wants("odometry")
         for event in (wall_event(loaded.layout), map_event(loaded.layout)):
             writer.put(event, 0)
 
@@ -121,31 +125,33 @@ class Recorder:
             painted = self.windows(engine)
             if scenery.floor.painted_area > 0.0:
                 coverage = scenery.floor.coverage
-        poses, contacts = stage.poses.copy(), stage.contact_counts.copy()
+        contacts = stage.contact_counts.tobytes()
         touched = None
-        if len(contacts) != len(self.contacts) or (contacts != self.contacts).any():
-            touched = stage.contact_points
+        if contacts != self.contacts:
+            touched, self.contacts = stage.contact_points, contacts
+        movers = b""
+        if stage.told != self.told:
+            movers, self.told = stage.records.tobytes(), stage.told
         speed = engine.speed or 0.0
         state = TickState(
             engine.ticks,
             time,
             float(round(speed)) if speed >= 10.0 else round(speed, 1),
             coverage,
-            self.color_array,
-            poses,
-            stage.velocities.copy(),
-            stage.stalls.copy(),
+            len(self.records),
+            self.color_bytes,
+            stage.poses.tobytes(),
+            stage.velocities.tobytes(),
+            stage.stalls.tobytes(),
             contacts,
-            stage.records.copy(),
-            stage.movable_poses if len(scenery.movables) else self.no_movables,
-            scenery.odometry.poses.copy() if self.wants("odometry") else None,
+            movers,
+            stage.movable_poses.tobytes() if self.movables else b"",
+            scenery.odometry.poses.copy() if self.wants_odometry else None,
             self.fans(engine) if self.sensors else (),
             events,
             painted,
             touched,
-            stage.hands,
         )
-        self.poses, self.contacts = poses, contacts
         self.writer.put(state, size_of(state))
 
     def finish(self, engine: Engine | None, result: Result | None) -> None:
@@ -153,6 +159,7 @@ class Recorder:
         if engine is not None and self.writer.error is None:
             events: list[Event] = self.entered(engine)
             self.changed(engine, events)
+            self.reported(engine, events)
             for event in events:
                 self.writer.put(event, 0)
         rest = {} if result is None else {"result.json": dumps(result.as_json()).encode()}
@@ -182,7 +189,7 @@ class Recorder:
             self.said.append(record.said)
             self.said_each.append(0)
             self.properties.append({})
-            self.states.append(None)
+            self.states.append(record.state)
             # a time is a multiple of the interval: those who are there at the start came at 0
             tick = round(record.entered / engine.interval)
             values = {
@@ -190,6 +197,7 @@ class Recorder:
                 "robot": index,
                 "name": record.name,
                 "model": record.model,
+                "controller": record.state,
                 "pose": record.start,
             }
             events.append(Event(record.entered, "/troupe/entries", "troupe_msgs/Entry", values))
@@ -202,11 +210,24 @@ class Recorder:
         return events
 
     def changed(self, engine: Engine, events: list[Event]) -> None:
-        """Events of what robots have said and reported, of their controllers, colours, drawings."""
-        context, time = engine.context, self.time
+        """Events of what is new besides the bodies' motion."""
+        context = engine.context
         if self.lines:
             lines, self.lines = self.lines, []
             events += [self.line_event(*line) for line in lines]
+        if context.colors != self.colors:
+            self.recolored(context.colors, events)
+        if engine.scenery.stage.hands:
+            events.append(hands_event(engine))
+        if engine.entry.flags is not self.flags:
+            self.flags = engine.entry.flags
+            events.append(sensed_event(engine))
+        if engine.server.connections or engine.ticks % LOOK == 0:
+            self.reported(engine, events)
+
+    def reported(self, engine: Engine, events: list[Event]) -> None:
+        """Events of what clients bring about: what is said, reported and drawn; their ends."""
+        context, time = engine.context, self.time
         said = sum(map(len, self.said))
         if said != self.said_so_far:
             self.said_so_far = said
@@ -217,15 +238,8 @@ class Recorder:
         states = [record.state for record in self.records]
         if states != self.states:
             events += self.controllers(states, time)
-        if context.colors != self.colors:
-            self.recolored(context.colors, events)
         if context.drawings:
             events += self.drawings(context.drawings, engine.ticks)
-        if engine.scenery.stage.hands:
-            events.append(hands_event(engine))
-        if engine.entry.flags is not self.flags:
-            self.flags = engine.entry.flags
-            events.append(sensed_event(engine))
 
     def line_event(self, time: float, text: str) -> Event:
         name = "troupe"
@@ -287,7 +301,7 @@ class Recorder:
         if bodies:
             events.append(body_event(self.time, bodies))
         self.colors = list(colors)
-        self.color_array = np.array(colors, np.uint32)
+        self.color_bytes = np.array(colors, np.uint32).tobytes()
 
     def drawings(self, drawings: Mapping[int, list[Any]], tick: int) -> list[Event]:
         events = []
@@ -436,10 +450,13 @@ def sensed_event(engine: Engine) -> Event:
 
 
 def size_of(state: TickState) -> int:
-    """Bytes that a state takes, roughly: what its arrays have."""
-    size = 300 + state.movers.nbytes + 60 * len(state.poses)
-    for fans in state.fans:
-        size += fans.ranges.nbytes + (0 if fans.blobs is None else fans.blobs.nbytes)
+    """Bytes that a state takes, roughly: those that it makes in a chunk, or what waits with it."""
+    size = 300 + len(state.movers) + 8 * len(state.velocities)
+    if state.fans:
+        for fans in state.fans:
+            size += fans.ranges.nbytes + (0 if fans.blobs is None else fans.blobs.nbytes)
     if state.odometry is not None:
-        size += 800 * len(state.odometry)  # what its messages will have
-    return size + sum(window.nbytes for _, _, window in state.painted)
+        size += 800 * len(state.odometry)
+    if state.painted:
+        size += sum(window.nbytes for _, _, window in state.painted)
+    return size

@@ -141,7 +141,7 @@ class LogWriter:
 
         for item in items:
             if isinstance(item, TickState):
-                if alike and len(alike[-1].poses) != len(item.poses):
+                if alike and alike[-1].robots != item.robots:
                     gather()
                 alike.append(item)
                 found += [batches.single(event) for event in item.events]

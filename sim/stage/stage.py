@@ -54,6 +54,8 @@ class Stage:
         for number, movable in enumerate(layout.movables):
             self._movers[number] = self._physics.add(movable.body, None, movable.pose)
         self._changed = True
+        self.told = 0
+        """How many commands there have been, motors switched and robots come included."""
         self.hands: list[tuple[int, tuple[float, float, float] | None]] = []
         """What no wheel did between the latest tick and the one before, in its order: robots put
         down at a pose, and robots that became standing bodies (None)."""
@@ -71,6 +73,7 @@ class Stage:
         self._movers[number] = self._physics.add(kind.body, kind.drive, at)
         self._order[number] = number
         self._count += 1
+        self.told += 1
         self._show(robot, at)
         self.names.append(name)
         self.model_names.append(model)
@@ -128,6 +131,7 @@ class Stage:
         which = np.ascontiguousarray(robots, dtype=np.int64).reshape(-1)
         wanted = np.ascontiguousarray(twists, dtype=np.float64).reshape(-1, 3)
         everything = self._movers[: self._movables + self._count]
+        self.told += 1
         commands.command_twists(everything, self._movables, which, wanted)
 
     def command_car(self, robot: int, speed: float, steering: float) -> None:
@@ -136,7 +140,7 @@ class Stage:
         The origin of a car's body is the middle of its rear axle: it drives a circle of radius
         wheelbase / tan(steering). Raises ValueError for other drives.
         """
-        record = self._record(robot)
+        record = self._telling(robot)
         model = self.models[self.model_names[robot]].drive
         if record["kind"] != CAR or model is None or model.wheelbase is None:
             raise ValueError(f"robot {self.names[robot]} has no steering")
@@ -151,7 +155,7 @@ class Stage:
         A differential drive turns towards the goal, drives until it is within 0.02 m, and turns
         to the goal's yaw; an omnidirectional one does all at once; a car cannot: ValueError.
         """
-        record = self._record(robot)
+        record = self._telling(robot)
         self._refuse_car(robot, record)
         commands.command_pose(record, pose_of(pose), speed, turn_rate)
 
@@ -160,7 +164,7 @@ class Stage:
 
         Raises ValueError for a car.
         """
-        record = self._record(robot)
+        record = self._telling(robot)
         self._refuse_car(robot, record)
         commands.command_heading(record, speed, heading)
 
@@ -171,7 +175,7 @@ class Stage:
 
     def motors(self, robot: int, on: bool) -> None:
         """Switch a robot's motors; switched off it brakes and stands, whatever it is told."""
-        self._record(robot)["motors"] = on
+        self._telling(robot)["motors"] = on
 
     # --- time
 
@@ -248,6 +252,11 @@ class Stage:
     def records(self) -> NDArray[Any]:
         """(n,) of dtype MOVER: all that is known of each robot, the command in force included."""
         return self._movers[self._movables : self._movables + self._count]
+
+    def _telling(self, robot: int) -> Any:
+        """The record of a robot that is told something."""
+        self.told += 1
+        return self._record(robot)
 
     def _record(self, robot: int) -> Any:
         if not 0 <= robot < self._count:
