@@ -1,4 +1,4 @@
-"""`troupe.Log`: a run that was kept, as arrays over ticks and robots, read when they are asked for."""
+"""`troupe.Log`: a run that was kept, as arrays over ticks and robots, read when asked for."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Driven(NamedTuple):
 
 @dataclass(frozen=True)
 class Scans:
-    """Readings of one range sensor: times (k,) in s, ranges (k, samples) in m, bearings (samples,)."""
+    """Readings of one sensor: times (k,) in s, ranges (k, samples) in m, bearings (samples,)."""
 
     times: Floats
     ranges: NDArray[np.float32]

@@ -15,7 +15,11 @@ from sim.log.definitions import PRIMITIVES, fields
 HEAD = b"\x00\x01\x00\x00"
 """Begins every message: plain CDR, little-endian. Alignment counts from behind it."""
 DTYPES = {name: np.dtype(kind) for name, kind in PRIMITIVES.items()}
-STRUCTS = {name: struct.Struct("<" + kind.char) for name, kind in DTYPES.items()}
+CODES = {
+    "b1": "?", "u1": "B", "i1": "b", "u2": "H", "i2": "h", "u4": "I", "i4": "i", "u8": "Q",
+    "i8": "q", "f4": "f", "f8": "d",
+}  # fmt: skip
+STRUCTS = {name: struct.Struct("<" + CODES[kind.str[1:]]) for name, kind in DTYPES.items()}
 Places = dict[str, list[int]]
 
 
