@@ -35,8 +35,8 @@ def run_world(
 
     `fleet` may have been started early, so that it gets ready while the world is read. `film`
     makes a video, `log` keeps the run. `each_tick(engine)` is called after every tick.
-    `say(line)` is given what is meant for people. SIGINT and SIGTERM end the run in an orderly way: the result so far comes
-    back with the outcome `interrupted`.
+    `say(line)` is given what is meant for people. SIGINT and SIGTERM end the run in an orderly
+    way: the result so far comes back with the outcome `interrupted`.
     """
     fleet = fleet or Fleet(show=say)
     engine: Engine | None = None

@@ -277,8 +277,9 @@ class Log:
         topic = self._topic(robot, "scan", index)
         times, ranges, first = contents.scan_arrays(self._reader, topic, "ranges", self._span)
         samples = ranges.shape[1]
-        ends = (0.0, 0.0) if first is None else (first["angle_min"], first["angle_max"])
-        return Scans(times, ranges, np.linspace(*ends, samples) if samples else np.zeros(0))
+        first = {"angle_min": 0.0, "angle_max": 0.0} if first is None else first
+        bearings = np.linspace(float(first["angle_min"]), float(first["angle_max"]), samples)
+        return Scans(times, ranges, bearings)
 
     def blobs(self, robot: str | int, index: int = 0) -> list[tuple[float, list[dict[str, Any]]]]:
         """What a robot's blobfinder saw: times (s), and each one's blobs; see Blob.msg."""

@@ -17,7 +17,8 @@ def described(path: Path) -> Iterator[str]:
     """The lines, one by one."""
     log = Log(path)
     about, result, ticks = log.about, log.result, log.ticks
-    yield f"{path}: {about.get('title', '')} ({about.get('world', '')}), seed {about.get('seed', '')}"
+    world = f"{about.get('title', '')} ({about.get('world', '')})"
+    yield f"{path}: {world}, seed {about.get('seed', '')}"
     if result is None:
         yield "the run did not come to its end"
     else:
@@ -38,7 +39,8 @@ def described(path: Path) -> Iterator[str]:
     width = max((len(entry.name) for entry in entries[:MOST_ROBOTS]), default=0)
     for entry in entries[:MOST_ROBOTS]:
         x, y, _ = entry.pose
-        yield f"  {entry.name:{width}}  {entry.model}, entered at {entry.time:g} s at ({x:.2f}, {y:.2f})"
+        where = f"entered at {entry.time:g} s at ({x:.2f}, {y:.2f})"
+        yield f"  {entry.name:{width}}  {entry.model}, {where}"
     if len(entries) > MOST_ROBOTS:
         yield f"  ... and {len(entries) - MOST_ROBOTS} more"
     yield ""

@@ -152,6 +152,7 @@ def open_log_of(
         "machine": machine(),
         **versions(),
     }
-    return open_log(
-        Path(path if asked is None or path is not None else asked.file), loaded, sensors, about
-    )
+    if path is None:
+        assert asked is not None
+        path = asked.file
+    return open_log(Path(path), loaded, sensors, about)

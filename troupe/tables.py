@@ -176,12 +176,14 @@ MOST_SCANNERS = 1000
 
 
 def events(log: Log) -> Iterator[Columns]:
-    """A row for each thing that happened: what was said, reported, printed; entries, ends, touches."""
+    """A row for each thing that happened: entries, what was said, reported, printed, touches."""
     rows: list[tuple[float, str, str, str, str]] = []
     rows += [(one.time, "entry", one.name, "", one.model) for one in log.entries]
     rows += [(one.time, "said", one.robot, "", one.text) for one in log.said]
     rows += [(one.time, "property", one.robot, one.key, repr(one.value)) for one in log.properties]
-    rows += [(one.time, "controller", one.robot, one.state, one.error or "") for one in log.controllers]
+    rows += [
+        (one.time, "controller", one.robot, one.state, one.error or "") for one in log.controllers
+    ]
     rows += [(one.time, "line", one.who, "", one.text) for one in log.lines]
     rows += [
         (one.time, "contact", one.robot, "", f"{one.point[0]!r} {one.point[1]!r}")

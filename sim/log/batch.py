@@ -1,8 +1,8 @@
-"""The states of many ticks as blocks of messages: each kind of message built in a few numpy calls."""
+"""The states of many ticks as blocks of messages, each kind built in a few numpy calls."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,9 @@ from sim.log.readings import Memo, odometry_blocks, reading_blocks
 from sim.stage.records import MOVER
 
 METRES, TURNS = 2.0**13, 2.0**14
-"""Steps to which /tf is rounded: an eighth of a millimetre, and of quaternions what turns by 1e-4 rad
-at the most. Binary fractions end in zeros, which compress; the exact poses are in /troupe/state."""
+"""Steps to which /tf is rounded: an eighth of a millimetre, and of quaternions what turns by
+1e-4 rad at the most. Binary fractions end in zeros, which compress; the exact poses are in
+/troupe/state."""
 SPEEDS = 2.0**20
 TRANSFORMS = 64
 """Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""
@@ -32,7 +33,7 @@ STATE, COMMANDS, CONTACTS, PAINT = (
 
 
 class Batches:
-    """Turns ticks and events into blocks; knows what was last written of what goes out as changes."""
+    """Turns ticks and events into blocks; knows what was last written of what goes as changes."""
 
     def __init__(self, channels: Channels) -> None:
         self.channels = channels
@@ -253,7 +254,7 @@ def state_template(n: int, m: int) -> Template:
     return template(STATE, {name: np.zeros(length) for name, length in lengths.items()})
 
 
-def tick_event(state: TickState, topic: str, kind: str, values: dict[str, object]) -> Event:
+def tick_event(state: TickState, topic: str, kind: str, values: Mapping[str, Any]) -> Event:
     return Event(state.time, topic, kind, {"tick": state.tick, **values})
 
 

@@ -1,4 +1,4 @@
-"""The MCAP file itself: header, attachments, chunks with their indexes, and the summary at the end."""
+"""The MCAP file itself: header, attachments, chunks with their indexes, the summary at the end."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Tail:
         """The end of a file from offset `at` on: DataEnd, summary, footer, magic."""
         out = RecordBuilder()
         mcap.DataEnd(0).write(out)
-        ended = out.end()
+        ended: bytes = out.end()  # type: ignore[no-untyped-call]
         start = at + len(ended)
         body, offsets = io.BytesIO(), RecordBuilder()
         statistics = mcap.Statistics(
@@ -115,7 +115,8 @@ class Tail:
             if group:
                 place = mcap.SummaryOffset(opcode, start + begin, body.tell() - begin)
                 place.write(offsets)
-        summary, table = body.getvalue(), offsets.end()
+        summary = body.getvalue()
+        table: bytes = offsets.end()  # type: ignore[no-untyped-call]
         foot = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, start + len(summary))
         crc = zlib.crc32(summary + table + foot)
         return ended + summary + table + foot + struct.pack("<I", crc) + MAGIC
@@ -124,7 +125,8 @@ class Tail:
 def written(record: mcap.McapRecord) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
-    return builder.end()
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return data
 
 
 class LogFile:
@@ -190,7 +192,7 @@ class LogFile:
             + struct.pack("<Q", len(packed))
         )
         indexes, places = message_indexes(channels, times, offsets)
-        at = self.append(prefix, packed, memoryview(indexes))
+        at = self.append(prefix, packed, indexes.data)
         places["offset"] += at + 9 + length
         self.tail.chunks.append(
             chunk_index(

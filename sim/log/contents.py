@@ -28,7 +28,7 @@ ALL: Span = (None, None)
 
 @dataclass(frozen=True)
 class Entry:
-    """A robot's entry: at which tick and time (s), its pose x, y (m), yaw (rad), its name for ROS."""
+    """A robot's entry: its tick and time (s), its pose x, y (m), yaw (rad), its name for ROS."""
 
     tick: int
     time: float
@@ -54,7 +54,7 @@ def ticks_and_times(reader: LogReader, span: Span, interval: float) -> tuple[Any
 def states(
     reader: LogReader, span: Span = ALL
 ) -> Iterator[tuple[Template, NDArray[np.uint8], int]]:
-    """Runs of states that are alike: how they are laid out, their bytes (k, size), how many robots."""
+    """Runs of states that are alike: their layout, their bytes (k, size), how many robots."""
     for run in reader.runs(STATES, *span):
         first = decode(STATE, run.messages[0].tobytes())
         n, m = len(first["colors"]), len(first["movable_poses"]) // 3

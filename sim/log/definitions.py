@@ -1,4 +1,4 @@
-"""Message types as ROS 2 writes them down: which fields each has, and the text that a log carries."""
+"""Message types as ROS 2 writes them down: their fields, and the text that a log carries."""
 
 from __future__ import annotations
 

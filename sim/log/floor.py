@@ -1,4 +1,4 @@
-"""The painted floor as changes: which cells were painted by whom, and the floor built up of them."""
+"""The painted floor as changes: which cells were painted by whom, and the floor made of them."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class TickState(NamedTuple):
     contacts: bytes
     """(n,) int64"""
     movers: bytes
-    """(n,) MOVER: the stage's records, of which the commands count; empty: as in the tick before."""
+    """(n,) MOVER: the stage's records, of which the commands count; empty: as they were."""
     movables: bytes
     """(m, 3) float64"""
     odometry: Floats | None = None

@@ -199,7 +199,7 @@ class LogReader:
         return [(chunk, self._entries(chunk, self.topics[topic][0])) for chunk in self.chunks]
 
     def runs(self, topic: str, start: int | None = None, end: int | None = None) -> Iterator[Run]:
-        """The messages of a topic with start <= log time < end (ns), in order, those alike together."""
+        """A topic's messages with start <= log time < end (ns), in order, those alike together."""
         if topic not in self.topics:
             return
         number = self.topics[topic][0]

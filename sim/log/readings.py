@@ -247,7 +247,8 @@ def blob_layout(source: SensorGroup, count: int, like: dict[str, Any]) -> Templa
     key = count, len(like["header"]["frame_id"])
     if key not in source.layouts:
         source.layouts[key] = template("troupe_msgs/Blobs", like)
-    return source.layouts[key]
+    found: Template = source.layouts[key]
+    return found
 
 
 def stamps_of(same: Any) -> Stamps:

@@ -334,7 +334,7 @@ class Recorder:
         floor, stage = engine.scenery.floor, engine.scenery.stage
         owner, cell = floor.owner, floor.resolution
         if self.floor is None:
-            self.floor = Floor(*owner.shape, cell)
+            self.floor = Floor(owner.shape[0], owner.shape[1], cell)
             self.writer.put(self.floor, 0)
         self.sprayed = bool(engine.sprayers.on)
         gone = stage.distances
@@ -396,7 +396,7 @@ class Recorder:
         return self.groups[id(group)]
 
     def member(self, engine: Engine, group: Group, row: int) -> tuple[str, str]:
-        """Topic and frame of a sensor: of several of a robot whose topics would be one, by number."""
+        """Topic and frame of a sensor; the second and further ones of a robot have a number."""
         robot, slot = int(group.robots[row]), int(group.slots[row])
         suite = engine.scenery.suite
         first = suite.first_slot[robot]

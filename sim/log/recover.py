@@ -1,4 +1,4 @@
-"""Makes a whole log of one that was cut off: what is in it, with an index that strict readers need."""
+"""Makes a whole log of one that was cut off: what is in it, with the index that readers need."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def copy_chunk(
     if not len(times):
         return
     indexes, places = message_indexes(channels, times, offsets)
-    begin = out.append(view[at:end], memoryview(indexes))
+    begin = out.append(view[at:end], indexes.data)
     places["offset"] += begin + end - at
     packed = end - at - CHUNK.size - 16
     out.tail.chunks.append(
@@ -125,5 +125,3 @@ def messages(
     data = np.frombuffer(records, np.uint8)
     prefixes = data[places[:, None] + np.arange(PREFIX.itemsize)].copy().view(PREFIX)[:, 0]
     return prefixes["channel"], prefixes["log_time"], places.astype(np.uint64)
-
-

@@ -65,7 +65,7 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
     hands = {one["tick"]: one for _, one in reader.messages("/troupe/hands")}
     digest = hashlib.sha256()
     tick = 0
-    for tick, poses in kept(reader, loaded.world.clock.interval):  # noqa: B007 - counted on
+    for tick, poses in kept(reader, loaded.world.clock.interval):
         by_hand(stage, hands.get(tick))
         for row in told.get(tick, ()):
             obey(stage, row)
@@ -80,7 +80,7 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
 
 
 def kept(reader: LogReader, interval: float) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Ticks from 1 on and the poses (n, 3) that the log has; raises LogError where some are missing."""
+    """Ticks from 1 on and their poses (n, 3); raises LogError where some are missing."""
     due = 1
     for layout, messages, n in contents.states(reader):
         ticks = layout.read(messages, "tick")[:, 0].tolist()
@@ -122,9 +122,7 @@ def by_tick(rows: NDArray[Any]) -> dict[int, NDArray[Any]]:
     order = np.argsort(ticks, kind="stable")
     rows = rows[order]
     firsts = np.flatnonzero(np.r_[True, np.diff(rows["tick"]) != 0])
-    return {
-        int(part["tick"][0]): part for part in np.split(rows, firsts[1:])
-    }
+    return {int(part["tick"][0]): part for part in np.split(rows, firsts[1:])}
 
 
 def obey(stage: Stage, row: Any) -> None:
@@ -142,6 +140,7 @@ def first_difference(
         return min(len(kept), len(again), max(len(kept), len(again)) - 1), (np.nan, np.nan, np.nan)
     if kept.tobytes() == again.tobytes():
         return None
-    robot = int(np.flatnonzero((kept.view(np.int64) != np.ascontiguousarray(again).view(np.int64)).any(axis=1))[0])
+    bits = np.ascontiguousarray(again).view(np.int64)
+    robot = int(np.flatnonzero((kept.view(np.int64) != bits).any(axis=1))[0])
     x, y, yaw = (again[robot] - kept[robot]).tolist()
     return robot, (x, y, yaw)

@@ -1,4 +1,4 @@
-"""The log of a run while it is written: the run hands over states, a thread makes a file of them."""
+"""The log while it is written: the run hands over states, a thread makes a file of them."""
 
 from __future__ import annotations
 
