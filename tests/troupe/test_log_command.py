@@ -44,7 +44,7 @@ from player import DioProxy, PlayerClient, Position2dProxy, SpeechProxy
 with PlayerClient() as robot:
     base, spray = Position2dProxy(robot), DioProxy(robot)
     speech = SpeechProxy(robot)
-    SPRAYON
+    spray.set_output(1)
     for _ in range(60):
         robot.read()
         base.set_speed(0.4, 0.0)
@@ -66,11 +66,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, object]:
     (folder / "mine.py").write_text(PROGRAM)
     (folder / "world.yaml").write_text(WORLD)
     path = folder / "run.mcap"
-    floors = []
-    result = troupe.run(
-        folder / "world.yaml", settings=["seed=5"], log=path, log_sensors=["laser"]
-    )
-    assert not floors
+    result = troupe.run(folder / "world.yaml", settings=["seed=5"], log=path, log_sensors=["laser"])
     return path, result
 
 
@@ -131,8 +127,6 @@ def test_check_names_the_first_tick_and_robot_that_differ(
 
     def other(reader, span=contents.ALL):
         rows = real(reader, span)
-        rows["vx"][rows["tick"] >= 30] += 1e-9
-        rows["vx"][(rows["tick"] < 30) & (rows["vx"] > 0)] *= 1.0
         late = rows[:1].copy()
         late["tick"], late["vx"], late["time"] = 30, 0.3, 3.0
         return np.concatenate([rows, late])

@@ -17,6 +17,7 @@ from mcap.reader import make_reader
 
 import troupe
 from sim.engine import Engine
+from sim.log.errors import LogError
 from sim.log.recover import recover
 from tests.patience import PATIENCE
 from tests.processes import environment
@@ -32,7 +33,6 @@ with PlayerClient() as robot:
 """
 RUN = """\
 import sys, time
-import troupe
 from troupe.running import run_file
 
 def tell(engine):
@@ -74,13 +74,12 @@ def test_after_kill_9_all_that_is_older_than_a_second_is_there(
                 process.send_signal(signal.SIGKILL)
                 break
         killed = monotonic()
-        told += [
-            (int(line.split()[0]), float(line.split()[1]))
-            for line in process.stdout
-            if line.count(" ") == 1 and line.endswith("\n")
-        ]
+        for line in process.stdout:
+            if line.count(" ") == 1 and line.endswith("\n"):
+                tick, at = line.split()
+                told.append((int(tick), float(at)))
         limit.cancel()
-    with pytest.raises(troupe.log.LogError, match="recover"):
+    with pytest.raises(LogError, match="recover"):
         troupe.Log(log)
     saved = recover(log, tmp_path / "whole.mcap")
     with (tmp_path / "whole.mcap").open("rb") as file:
