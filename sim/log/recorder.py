@@ -123,8 +123,8 @@ class Recorder:
         painted: Sequence[tuple[int, int, NDArray[np.int16]]] = ()
         if self.sprayed or engine.sprayers.on:
             painted = self.windows(engine)
-            if scenery.floor.painted_area > 0.0:
-                coverage = scenery.floor.coverage
+        if self.floor is not None and scenery.floor.painted_area > 0.0:
+            coverage = scenery.floor.coverage
         contacts = stage.contact_counts.tobytes()
         touched = None
         if contacts != self.contacts:

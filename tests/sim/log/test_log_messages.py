@@ -148,6 +148,7 @@ def test_a_channels_messages_stand_in_the_order_of_time(kept: Kept) -> None:
     path, _, _ = kept
     with path.open("rb") as file:
         for topic in ("/one/blobs", "/troupe/commands", "/one/range"):
+            file.seek(0)
             times = [m.log_time for _, _, m in make_reader(file).iter_messages(topics=[topic])]
             assert times == sorted(times)
             assert times
