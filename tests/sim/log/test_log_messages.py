@@ -123,7 +123,7 @@ def test_both_readers_find_every_topic_and_its_messages(
     assert set(found) == {
         "/clock", "/tf", "/map", "/rosout", "/troupe/state", "/troupe/walls", "/troupe/bodies",
         "/troupe/entries", "/troupe/sensed", "/troupe/commands", "/troupe/said",
-        "/troupe/properties", "/troupe/controllers", "/troupe/hands",
+        "/troupe/properties",
         *(f"/{name}/{what}" for name in ("one", "twotwo")
           for what in ("scan", "range", "blobs", "odom", "cmd_vel")),
     }  # fmt: skip
