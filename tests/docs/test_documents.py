@@ -19,6 +19,7 @@ from tests.processes import ROOT, environment, troupe_command
 PAGES = [
     "README.md",
     "docs/running.md",
+    "docs/logs.md",
     "docs/controllers.md",
     "docs/debugging.md",
     "docs/paint.md",
@@ -88,11 +89,14 @@ def test_a_shell_block_works(text: str) -> None:
             words += ["--collect-only", "tests/docs"]  # the tests are running already
         if words[0] == "scripts/bench":
             continue  # minutes: its parts have tests of their own
+        if words[0] == "troupe":
+            words = troupe_command(*words[1:])
         done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
         assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
     for made in set(ROOT.iterdir()) - before:
         if made.suffix in (".mp4", ".svg"):
             assert made.stat().st_size > (10_000 if made.suffix == ".mp4" else 1_000)
+        if made.suffix in (".mp4", ".svg", ".mcap", ".csv"):
             made.unlink()
 
 
