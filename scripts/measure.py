@@ -123,6 +123,58 @@ def rounds(folder: Path, controller: str, repeats: int) -> str:
     return f"{median_speed(repeats, str(path)) / 0.1:.0f} per second"
 
 
+def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
+    """What a log costs a run without controllers, as the processor time of its two parts.
+
+    The hook in the tick delays the run; the thread runs beside it where a core is free.
+    """
+    from sim.engine import Engine, Settings  # noqa: PLC0415 - after the path is set
+    from sim.fleet.fleet import Fleet  # noqa: PLC0415
+    from sim.log.moment import TickState  # noqa: PLC0415
+    from sim.log.recorder import open_log, size_of  # noqa: PLC0415
+    from sim.worldfile import load  # noqa: PLC0415
+
+    size = (16, 21) if count == 4 else (316, 316)
+    loaded = load(world(folder, "null", 1e6, size=size, count=count))
+    engine = Engine(loaded, Settings(1, 1e6, sense_all=True), Fleet(), lambda line: None)
+    about = {"seed": "1", "interval": "0.1"}
+    path = folder / "cost.mcap"
+    log = open_log(path, loaded, ["all"] if sensors else [], about)
+    log.writer.stop()  # what it would do is timed here
+    kept: list[TickState] = []
+    log.writer.put = lambda item, size: kept.append(item)  # type: ignore[method-assign]
+    random = np.random.default_rng(1)
+    ticks, hooks = [], []
+    engine.enter_first()
+    number = 400 * repeats if count == 4 else 10 * repeats
+    for tick in range(number):
+        if tick % 20 == 0:
+            turns = random.standard_normal(count) * 0.5
+            twists = np.stack([np.full(count, 0.4), 0 * turns, turns], axis=1)
+            engine.scenery.stage.command(np.arange(count), twists)
+        began = perf_counter()
+        engine.tick()
+        ended = perf_counter()
+        log.each_tick(engine)
+        ticks.append(ended - began)
+        hooks.append(perf_counter() - ended)
+    states = [one for one in kept if isinstance(one, TickState)]
+    waiting = sum(map(size_of, states))
+    log.writer._write(kept[:], waiting)  # entries and bodies once, and what is compiled
+    before = log.writer.file.at
+    began = process_time()
+    log.writer._write(states, waiting)
+    thread = (process_time() - began) / number
+    written = (log.writer.file.at - before) / number
+    engine.crew.dismiss()
+    engine.server.close()
+    tick_time = statistics.median(ticks)
+    return (
+        f"{statistics.median(hooks) / tick_time:.1%} in the tick, "
+        f"{thread / tick_time:.1%} on the thread, {written:.0f} bytes a tick"
+    )
+
+
 def first_tick(repeats: int) -> str:
     run_command("worlds/wander.yaml", "--duration", "0.1")  # warms the caches
     times = [run_command("worlds/wander.yaml", "--duration", "0.1")[1] for _ in range(repeats)]
@@ -298,6 +350,14 @@ def main() -> None:
              "under 3 %", watched(folder, repeats)),
             (f"{sweep} random placements of Paint in a sweep with two jobs: the runs' own times "
              "over two, as a share of the sweep's", "90 %", placements(folder, sweep)),
+            ("a log's share of a tick, 4 robots, sensed, no controllers", "5 % in all, 150 bytes",
+             log_cost(folder, 4, False, repeats)),
+            ("the same with --log-sensors all", "15 % in all, 2500 bytes",
+             log_cost(folder, 4, True, repeats)),
+            ("a log's share of a tick, 1000 robots, sensed, no controllers", "5 % in all",
+             log_cost(folder, 1000, False, repeats)),
+            ("the same with --log-sensors all", "15 % in all",
+             log_cost(folder, 1000, True, repeats)),
         ]  # fmt: skip
     table = "\n".join(
         [f"Measured on {machine()}.", "", "| what | target | measured |", "| --- | --- | --- |"]

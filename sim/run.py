@@ -14,6 +14,7 @@ from sim.worldfile import LoadedWorld
 
 if TYPE_CHECKING:
     from sim.filming import Film
+    from sim.log.recorder import Recorder
 
 EachTick = Callable[[Engine], None]
 
@@ -24,6 +25,7 @@ def run_world(
     *,
     fleet: Fleet | None = None,
     film: Film | None = None,
+    log: Recorder | None = None,
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     say: Callable[[str], None] = lambda line: None,
@@ -34,19 +36,21 @@ def run_world(
     """Run a world to its end.
 
     `fleet` may have been started early, so that it gets ready while the world is read. `film`
-    makes a video. `each_tick(engine)` is called after every tick, and `while_waiting(engine)` while
-    the world waits for controllers. `say(line)` is given what is meant for people, and
-    `warn(line)`, or else `say`, what they are not to overlook.
+    makes a video, `log` keeps the run. `each_tick(engine)` is called after every tick, and
+    `while_waiting(engine)` while the world waits for controllers. `say(line)` is given what is
+    meant for people, and `warn(line)`, or else `say`, what they are not to overlook.
 
     SIGINT, SIGTERM and SIGHUP end the run in order: the result so far comes back with the outcome
-    `interrupted`, and the video is completed; a second one raises KeyboardInterrupt. `interrupts`
-    that are given stay held when the run is over. `controllers`: see `Engine`.
+    `interrupted`, and video and log are completed; a second one raises KeyboardInterrupt.
+    `interrupts` that are given stay held when the run is over. `controllers`: see `Engine`.
     """
     interrupts, own = interrupts or Interrupts(), interrupts is None
     interrupts.hold()
     fleet = fleet or Fleet(show=say)
     engine: Engine | None = None
-    watchers = [watch for watch in (film.each_tick if film else None, each_tick) if watch]
+    result: Result | None = None
+    hooks = (log.each_tick if log else None, film.each_tick if film else None, each_tick)
+    watchers = [watch for watch in hooks if watch]
 
     def after_tick(engine: Engine) -> None:
         for watch in watchers:
@@ -54,8 +58,11 @@ def run_world(
 
     try:
         engine = Engine(loaded, settings, fleet, say, warn, while_waiting, controllers)
+        if log is not None:
+            engine.sensing.logged = log.sensors
         with interrupts.heard_by(engine):
-            return engine.run(after_tick if watchers else None)
+            result = engine.run(after_tick if watchers else None)
+        return result
     finally:
         try:
             if engine is None:
@@ -63,5 +70,9 @@ def run_world(
             if film is not None:
                 film.finish(engine)
         finally:
-            if own:
-                interrupts.release()
+            try:
+                if log is not None:
+                    log.finish(engine, result)
+            finally:
+                if own:
+                    interrupts.release()

@@ -31,6 +31,7 @@ class Sensing:
         self.tick = 0
         self.flags: NDArray[np.bool_] = np.zeros(0, bool)  # by sensor
         self.asked: set[int] = set()  # slots of sensors that are read from Python
+        self.logged: frozenset[str] = frozenset()  # types of sensors that a log reads, or `all`
 
     def devices(self, robot: Robot) -> list[Device]:
         """A robot's devices, whose readings are made here."""
@@ -82,5 +83,8 @@ class Sensing:
                 if sensor is not None:
                     self.flags[suite.first_slot[device.robot.index] + sensor] = True
             self.flags[list(self.asked)] = True
+            for group in suite.groups if self.logged else ():
+                if group.type.name in self.logged or "all" in self.logged:
+                    self.flags[group.slots] = True
             self.switchboard.changed = False
         return self.flags

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from sim.fleet.functions import Controllers
     from sim.result import Result
     from sim.worldfile import WorldError
+    from troupe.log import Log, LogError
     from troupe.simulation import RunError, Simulation
     from troupe.sweep.collect import read_sweep
     from troupe.world import World
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
+    "Log",
+    "LogError",
     "RunError",
     "Simulation",
     "World",
@@ -39,6 +42,8 @@ __all__ = [
 claim_names()
 
 _HOMES = {
+    "Log": ("troupe.log", "Log"),
+    "LogError": ("sim.log.errors", "LogError"),
     "RunError": ("troupe.simulation", "RunError"),
     "Simulation": ("troupe.simulation", "Simulation"),
     "World": ("troupe.world", "World"),
@@ -73,6 +78,8 @@ def run(
     video_show: Iterable[str] | None = None,
     picture: str | Path | None = None,
     at: float | None = None,
+    log: str | Path | None = None,
+    log_sensors: Sequence[str] | None = None,
     say: Callable[[str], None] | None = None,
     settings: Sequence[str] = (),
     controllers: Controllers = True,
@@ -100,6 +107,8 @@ def run(
             blobs (all but blobs unless given). It holds for the picture too, as does the size.
         picture: a PNG or SVG file to be made of one moment.
         at: the picture's moment in simulated seconds; the end of the run unless given.
+        log: an MCAP file in which the run is kept, see docs/logs.md; the world file's unless given.
+        log_sensors: the types of sensors whose readings it keeps as well, or `["all"]`.
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
         settings: more texts like those of `set`.
@@ -113,12 +122,13 @@ def run(
     the result so far comes back with the outcome `interrupted`. A controller that fails raises
     nothing: `result.outcome` and `result.robot(name).error` tell.
 
-    A video or picture that could not be written to its end, for want of room say, is a
+    A video, picture or log that could not be written to its end, for want of room say, is a
     RuntimeWarning: the result is none the worse for it.
 
     Raises:
         sim.worldfile.WorldError: there is no such world, or it has mistakes; all of them are in it.
         sim.video.errors.VideoError: the video cannot be made.
+        sim.log.errors.LogError: the log cannot be written.
         ValueError: an argument is out of range, or no address or size.
         OSError: the address cannot be had, or no process can be made.
         RunError: a hook or a controller function has raised; the error has the result so far.
@@ -144,6 +154,8 @@ def run(
         video_show=video_show,
         picture=picture,
         at=at,
+        log=log,
+        log_sensors=log_sensors,
         say=say or (lambda line: None),
         controllers=controllers,
         each_tick=hooks.each_tick if hooks.wanted else None,
@@ -151,4 +163,6 @@ def run(
     hooks.finish(done.result)
     if done.video_error is not None:
         warnings.warn(done.video_error, RuntimeWarning, stacklevel=2)
+    if done.log_error is not None:
+        warnings.warn(done.log_error, RuntimeWarning, stacklevel=2)
     return done.result

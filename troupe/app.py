@@ -11,6 +11,7 @@ from troupe.commands.check import check
 from troupe.commands.devices import devices
 from troupe.commands.disperse import disperse
 from troupe.commands.import_ import import_
+from troupe.commands.log import log
 from troupe.commands.print_ import print_
 from troupe.commands.report import report
 from troupe.commands.run import run
@@ -53,6 +54,7 @@ app.command("worlds")(worlds)
 app.command("check")(check)
 app.command("schema")(schema)
 app.command("sensors")(sensors)
+app.add_typer(log, name="log")
 app.command("disperse")(disperse)
 app.command("devices")(devices)
 app.command("print")(print_)

@@ -17,9 +17,11 @@ from troupe.interrupts import last_act
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
-    from sim.engine import Engine
+    from sim.engine import Engine, Settings
     from sim.fleet.functions import Controllers
+    from sim.log.recorder import Recorder
     from sim.result import Result
+    from sim.worldfile import LoadedWorld
     from troupe.live.opening import View
     from troupe.world import World
 
@@ -31,10 +33,17 @@ Size = str | tuple[int, int]
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of a run; `video_error` says why a video or picture is not whole, if so."""
+    """What came out of a run. An error says why what was asked for is not whole, if so."""
 
     result: Result
     video_error: str | None
+    log_error: str | None = None
+    log: Path | None = None
+
+    @property
+    def broken(self) -> bool:
+        """Whether something that was asked for besides the result is not whole."""
+        return self.video_error is not None or self.log_error is not None
 
 
 def run_file(
@@ -57,6 +66,8 @@ def run_file(
     at: float | None = None,
     say: Callable[[str], None],
     warn: Callable[[str], None] | None = None,
+    log: str | Path | None = None,
+    log_sensors: Sequence[str] | None = None,
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     interrupts: Interrupts | None = None,
@@ -85,7 +96,19 @@ def run_file(
     )
     interrupts, own = interrupts or Interrupts(), interrupts is None
     begun = False
-    fleet = Fleet(show=say)  # first: it gets ready while we load the rest
+    keep: list[Callable[[str], None]] = []  # the log, once it is open, is told what people are
+
+    def tell(line: str) -> None:
+        say(line)
+        for one in keep:
+            one(line)
+
+    def alarm(line: str) -> None:
+        (warn or say)(line)
+        for one in keep:
+            one(line)
+
+    fleet = Fleet(show=tell)  # first: it gets ready while we load the rest
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
@@ -125,7 +148,7 @@ def run_file(
             from sim.video.encode import abandon  # noqa: PLC0415
 
             ending.enter_context(last_act(partial(abandon, Path(video).resolve())))
-            recorder = open_recorder(
+            video_recorder = open_recorder(
                 Path(video),
                 loaded,
                 fps=video_fps,
@@ -133,9 +156,13 @@ def run_file(
                 size=size,
                 show=show,
             )
-            film = Film(recorder, None if film is None else film.still)
-            if recorder.notice:
-                say(recorder.notice)
+            film = Film(video_recorder, None if film is None else film.still)
+            if video_recorder.notice:
+                say(video_recorder.notice)
+        recorder = open_log_of(loaded, told, log, log_sensors, as_text(settings))
+        if recorder is not None:
+            keep.append(recorder.line)
+            recorder.complain = warn or say
 
         def after_tick(engine: Engine) -> None:
             if compiling.spans:  # once in a machine's life, and no part of a run's speed
@@ -147,7 +174,7 @@ def run_file(
 
         window = None
         if view is not None:
-            window = ending.enter_context(view(film is None))
+            window = ending.enter_context(view(film is None and recorder is None))
 
         def meanwhile(engine: Engine) -> None:
             if window is not None:
@@ -162,10 +189,11 @@ def run_file(
                 told,
                 fleet=fleet,
                 film=film,
+                log=recorder,
                 each_tick=after_tick,
                 while_waiting=meanwhile if window else while_waiting,
-                say=say,
-                warn=warn,
+                say=tell,
+                warn=alarm,
                 interrupts=interrupts,
                 controllers=controllers,
             )
@@ -179,7 +207,12 @@ def run_file(
     taken = None if film is None or film.still is None else film.still.time
     if taken is not None and at is not None and taken < at - 1e-9:
         say(f"{picture}: the run ended at {taken:g} s, and that is what the picture shows")
-    return Run(result, None if film is None else film.error)
+    return Run(
+        result,
+        None if film is None else film.error,
+        None if recorder is None else recorder.writer.error,
+        None if recorder is None else recorder.writer.path,
+    )
 
 
 def check_pictures(
@@ -247,3 +280,39 @@ def parse_listen(listen: Address) -> tuple[str, int]:
     if not (0 <= number <= 65535 and is_host(host)):
         raise UsageError(f"listen {listen!r}: must be HOST:PORT, such as 127.0.0.1:6665")
     return host, number
+
+
+def open_log_of(
+    loaded: LoadedWorld,
+    told: Settings,
+    path: str | Path | None,
+    sensors: Sequence[str] | None,
+    settings: Sequence[str],
+) -> Recorder | None:
+    """The log that was asked for here or in the world file, if any; raises LogError, UsageError."""
+    asked = loaded.world.log
+    if path is None and asked is None:
+        if sensors:
+            raise UsageError("log sensors: there is no log to be written; name its file: run.mcap")
+        return None
+    from sim.engine import label  # noqa: PLC0415
+    from sim.log.recorder import open_log  # noqa: PLC0415
+    from troupe.about import machine, versions  # noqa: PLC0415
+
+    if sensors is None:
+        sensors = () if asked is None else asked.sensors
+    about = {
+        "world": label(loaded.path),
+        "title": loaded.world.name or loaded.path.stem,
+        "seed": str(told.seed),
+        "duration": repr(told.duration),
+        "interval": repr(loaded.world.clock.interval),
+        "settings": json.dumps(list(settings)),
+        "sensors": ",".join(sensors),
+        "machine": machine(),
+        **versions(),
+    }
+    if path is None:
+        assert asked is not None
+        path = asked.file
+    return open_log(Path(path), loaded, sensors, about)

@@ -56,6 +56,12 @@ class Stage:
         for number, movable in enumerate(layout.movables):
             self._movers[number] = self._physics.add(movable.body, None, movable.pose)
         self._changed = True
+        self.told = 0
+        """How many commands there have been, motors switched and robots come included."""
+        self.hands: list[tuple[int, tuple[float, float, float] | None]] = []
+        """What no wheel did between the latest tick and the one before, in its order: robots put
+        down at a pose, and robots that became standing bodies (None)."""
+        self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
 
     # --- robots come, stand still, are moved by hand
 
@@ -69,6 +75,7 @@ class Stage:
         self._movers[number] = self._physics.add(kind.body, kind.drive, at)
         self._order[number] = number
         self._count += 1
+        self.told += 1
         self._show(robot, at)
         self._kinds.append(kind)
         return robot
@@ -80,6 +87,7 @@ class Stage:
             return
         self._physics.settle(self._movables + robot)
         record["standing"], record["driven"] = True, False
+        self._hands.append((robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
         self._stalls[robot] = False
@@ -106,11 +114,7 @@ class Stage:
             goals[robot] = pose_of(pose)
         found = self._places.fitting(goals, *self._moving())
         for robot, at in found.items():
-            record = self._record(robot)
-            self._physics.put(self._movables + robot, at)
-            record["x"], record["y"] = at[0], at[1]
-            self._rest(record)
-            self._show(robot, at)
+            self.put_down(robot, at)
         return [robot for robot in goals if robot not in found]
 
     def put_movable(self, number: int, pose: ArrayLike) -> bool:
@@ -137,6 +141,15 @@ class Stage:
         record = self._record(robot)
         kind = COMMANDS[record["mode"]]
         return kind, tuple(float(record[name]) for name in COMMAND_FIELDS[kind])
+
+    def put_down(self, robot: int, at: tuple[float, float, float]) -> None:
+        """Put a robot down, at rest, at a pose where there is known to be room for it."""
+        record = self._record(robot)
+        self._hands.append((robot, at))
+        self._physics.put(self._movables + robot, at)
+        record["x"], record["y"] = at[0], at[1]
+        self._rest(record)
+        self._show(robot, at)
 
     def fits(self, robot: int, pose: ArrayLike, moved: Mapping[int, ArrayLike] = {}) -> bool:
         """Whether a robot could be put at a pose, once the robots `moved` are at theirs."""
@@ -178,6 +191,7 @@ class Stage:
         which = np.ascontiguousarray(robots, dtype=np.int64).reshape(-1)
         wanted = np.ascontiguousarray(twists, dtype=np.float64).reshape(-1, 3)
         everything = self._movers[: self._movables + self._count]
+        self.told += 1
         commands.command_twists(everything, self._movables, which, wanted)
 
     def command_car(self, robot: int, speed: float, steering: float) -> None:
@@ -187,7 +201,7 @@ class Stage:
         wheelbase / tan(steering), or a wider one where that would turn it faster than its
         max_turn_rate. Raises ValueError for other drives.
         """
-        record = self._record(robot)
+        record = self._telling(robot)
         car = self.model(robot).drive
         if record["kind"] != CAR or car is None or car.wheelbase is None:
             raise ValueError(f"robot {robot} has no steering")
@@ -202,7 +216,7 @@ class Stage:
         A differential drive turns towards the goal, drives until it is within 0.02 m, and turns
         to the goal's yaw; an omnidirectional one does all at once; a car cannot: ValueError.
         """
-        record = self._record(robot)
+        record = self._telling(robot)
         self._refuse_car(robot, record)
         commands.command_pose(record, pose_of(pose), speed, turn_rate)
 
@@ -211,7 +225,7 @@ class Stage:
 
         Raises ValueError for a car.
         """
-        record = self._record(robot)
+        record = self._telling(robot)
         self._refuse_car(robot, record)
         commands.command_heading(record, speed, heading)
 
@@ -221,7 +235,7 @@ class Stage:
 
     def motors(self, robot: int, on: bool) -> None:
         """Switch a robot's motors; switched off it brakes and stands, whatever it is told."""
-        self._record(robot)["motors"] = on
+        self._telling(robot)["motors"] = on
 
     # --- time
 
@@ -234,6 +248,8 @@ class Stage:
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
         """
+        if self._hands or self.hands:
+            self.hands, self._hands = self._hands, []
         if self._changed:
             self._index()
         count = self._movables + self._count
@@ -281,8 +297,14 @@ class Stage:
     # --- what there is to see
 
     @property
-    def _robots(self) -> NDArray[Any]:
+    def records(self) -> NDArray[Any]:
+        """(n,) of dtype MOVER: all that is known of each robot, the command in force included."""
         return self._movers[self._movables : self._movables + self._count]
+
+    def _telling(self, robot: int) -> Any:
+        """The record of a robot that is told something."""
+        self.told += 1
+        return self._record(robot)
 
     def _record(self, robot: int) -> Any:
         if not 0 <= robot < self._count:
@@ -336,7 +358,7 @@ class Stage:
     @property
     def settled(self) -> Bools:
         """(n,) Which are standing bodies."""
-        standing: Bools = self._robots["standing"]
+        standing: Bools = self.records["standing"]
         return standing
 
     @property

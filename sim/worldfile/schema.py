@@ -37,6 +37,7 @@ __all__ = [
     "Door",
     "Drive",
     "Floor",
+    "Log",
     "Map",
     "Model",
     "Obstacle",
@@ -334,6 +335,25 @@ class Video(Part):
     )
 
 
+def _log(value: Any) -> Any:
+    return {"file": value} if isinstance(value, str) else value
+
+
+def _names(value: Any) -> Any:
+    return (value,) if isinstance(value, str) else value
+
+
+class Log(Part):
+    """The log of every run of the world that is not given another."""
+
+    file: FileName = Field(description="*.mcap; a relative name starts at the current folder")
+    sensors: Annotated[tuple[str, ...], BeforeValidator(_names)] = Field(
+        default=(),
+        description="whose readings are kept as well: all, or types such as laser, blobfinder, "
+        "odometry, commands",
+    )
+
+
 class World(Part):
     """A world: a floor, what stands on it, robots, and the programs that drive them."""
 
@@ -373,6 +393,9 @@ class World(Part):
     )
     player: Player = Field(default=Player(), description="how Player's clients reach the robots")
     video: Video = Field(default=Video(), description="how videos and pictures are made")
+    log: Annotated[Log | None, BeforeValidator(_log)] = Field(
+        default=None, description="a file, or its file and sensors: where runs are kept"
+    )
 
     @model_validator(mode="after")
     def _has_size_and_region(self) -> Self:

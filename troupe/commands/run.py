@@ -97,6 +97,22 @@ def run(
             metavar="T", help="The picture's moment in simulated seconds.", show_default="the end"
         ),
     ] = None,
+    log: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.mcap",
+            help="Keep the run: all that moves, is said, is painted.",
+            show_default="where the world says so",
+        ),
+    ] = None,
+    log_sensors: Annotated[
+        str | None,
+        typer.Option(
+            metavar="all|NAMES",
+            help="Keep readings in the log as well: all, or laser,blobfinder,odometry,...",
+            show_default="as the world says, or none",
+        ),
+    ] = None,
     realtime: Annotated[
         float | None,
         typer.Option(
@@ -172,6 +188,8 @@ def run(
         video_show=video_show,
         picture=picture,
         at=at,
+        log=log,
+        log_sensors=None if log_sensors is None else parse_names(log_sensors),
     )
 
 
@@ -217,6 +235,7 @@ def run_and_show(
     **options: Any,
 ) -> NoReturn:
     """Run a world to its end, print its result and exit; `options` are those of `run_file`."""
+    from sim.log.errors import LogError  # noqa: PLC0415
     from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.running import run_file  # noqa: PLC0415
@@ -238,8 +257,8 @@ def run_and_show(
                 **options,
             )
         show(done, as_json, video, picture)
-        code = done.result.exit_code or int(done.video_error is not None)
-    except (UsageError, VideoError, WorldError) as error:
+        code = done.result.exit_code or int(done.broken)
+    except (UsageError, VideoError, WorldError, LogError) as error:
         print(error, file=sys.stderr)
         code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
@@ -271,3 +290,8 @@ def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> 
             made = (video, picture) if done.video_error is None else (None, None)
             print(summary(done.result, *made))
         sys.stdout.flush()
+
+
+def parse_names(text: str) -> list[str]:
+    """Names between commas."""
+    return [name.strip() for name in text.split(",") if name.strip()]

@@ -105,6 +105,7 @@ def test_required_keys_are_documented_as_required() -> None:
         ("models.NAME", "body"), ("models.NAME.body", "shape"),
         ("models.NAME.actuators[]", "type"), ("robots[]", "model"), ("doors[]", "name"),
         ("doors[]", "at"), ("doors[]", "model"), ("doors[]", "period"),
+        ("log", "file"),
     }  # fmt: skip
     for section, key in required:
         assert "default" not in in_schema()[section][key], f"{section}.{key}"

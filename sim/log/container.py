@@ -1,0 +1,234 @@
+"""The MCAP file itself: header, attachments, chunks with their indexes, the summary at the end."""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import zstandard
+from mcap import records as mcap
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+
+from sim.log.blocks import Block, message_indexes
+from sim.log.definitions import whole
+
+MAGIC = b"\x89MCAP0\r\n"
+CHUNK = struct.Struct("<BQQQQI")
+LEVEL = 1
+"""Of zstd; higher ones cost more than they save (a hundredth at 3)."""
+
+
+class Vanished(OSError):
+    """The file has been removed while it was written."""
+
+
+@dataclass
+class Channels:
+    """Topics with their types, numbered from 1 as they come."""
+
+    schemas: dict[str, int] = field(default_factory=dict)
+    topics: dict[str, tuple[int, str]] = field(default_factory=dict)
+    new: list[mcap.McapRecord] = field(default_factory=list)
+    """Records that no chunk holds yet."""
+
+    def channel(self, topic: str, kind: str) -> int:
+        """The number of a topic, whose messages are of a type."""
+        known = self.topics.get(topic)
+        if known is not None:
+            return known[0]
+        if kind not in self.schemas:
+            self.schemas[kind] = len(self.schemas) + 1
+            self.new.append(schema(self.schemas[kind], kind))
+        number = len(self.topics) + 1
+        self.topics[topic] = number, kind
+        self.new.append(channel(number, topic, self.schemas[kind]))
+        return number
+
+
+def schema(number: int, kind: str) -> mcap.Schema:
+    """A type such as `troupe_msgs/State` under ROS 2's name of it."""
+    package, _, name = kind.partition("/")
+    return mcap.Schema(number, whole(kind).encode(), "ros2msg", f"{package}/msg/{name}")
+
+
+def channel(number: int, topic: str, schema: int) -> mcap.Channel:
+    return mcap.Channel(number, topic, "cdr", {}, schema)
+
+
+@dataclass
+class Tail:
+    """What the summary at a file's end says of what stands before it."""
+
+    schemas: list[mcap.McapRecord] = field(default_factory=list)
+    channels: list[mcap.McapRecord] = field(default_factory=list)
+    chunks: list[bytes] = field(default_factory=list)
+    attachments: list[mcap.McapRecord] = field(default_factory=list)
+    metadata: list[mcap.McapRecord] = field(default_factory=list)
+    counts: dict[int, int] = field(default_factory=dict)
+    first: int | None = None  # ns
+    last: int = 0
+
+    def count(self, channels: np.ndarray, start: int, end: int) -> None:
+        numbers, counts = np.unique(channels, return_counts=True)
+        for number, count in zip(numbers.tolist(), counts.tolist(), strict=True):
+            self.counts[number] = self.counts.get(number, 0) + count
+        self.first = start if self.first is None else min(start, self.first)
+        self.last = max(end, self.last)
+
+    def bytes(self, at: int) -> bytes:
+        """The end of a file from offset `at` on: DataEnd, summary, footer, magic."""
+        out = RecordBuilder()
+        mcap.DataEnd(0).write(out)
+        ended: bytes = out.end()  # type: ignore[no-untyped-call]
+        start = at + len(ended)
+        body, offsets = io.BytesIO(), RecordBuilder()
+        statistics = mcap.Statistics(
+            attachment_count=len(self.attachments),
+            channel_count=len(self.channels),
+            channel_message_counts=self.counts,
+            chunk_count=len(self.chunks),
+            message_count=sum(self.counts.values()),
+            message_end_time=self.last,
+            message_start_time=self.first or 0,
+            metadata_count=len(self.metadata),
+            schema_count=len(self.schemas),
+        )
+        groups: Sequence[tuple[Opcode, Sequence[mcap.McapRecord | bytes]]] = (
+            (Opcode.SCHEMA, self.schemas),
+            (Opcode.CHANNEL, self.channels),
+            (Opcode.STATISTICS, [statistics]),
+            (Opcode.CHUNK_INDEX, self.chunks),
+            (Opcode.ATTACHMENT_INDEX, self.attachments),
+            (Opcode.METADATA_INDEX, self.metadata),
+        )
+        for opcode, group in groups:
+            begin = body.tell()
+            for record in group:
+                body.write(record if isinstance(record, bytes) else written(record))
+            if group:
+                place = mcap.SummaryOffset(opcode, start + begin, body.tell() - begin)
+                place.write(offsets)
+        summary = body.getvalue()
+        table: bytes = offsets.end()  # type: ignore[no-untyped-call]
+        foot = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, start + len(summary))
+        crc = zlib.crc32(summary + table + foot)
+        return ended + summary + table + foot + struct.pack("<I", crc) + MAGIC
+
+
+def written(record: mcap.McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return data
+
+
+class LogFile:
+    """A file that is being written. Whatever call it dies in, all that it has written stands."""
+
+    def __init__(self, path: Path, library: str) -> None:
+        self.path = path
+        self.descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        self.at = 0
+        self.tail = Tail()
+        self.channels = Channels()
+        self.compressor = zstandard.ZstdCompressor(level=LEVEL)
+        self.append(MAGIC + written(mcap.Header("ros2", library)))
+
+    def append(self, *parts: bytes | memoryview) -> int:
+        """Write at the end, all or nothing; where it begins. Raises OSError."""
+        start = self.at
+        try:
+            for part in parts:
+                view = memoryview(part)
+                while view:
+                    done = os.write(self.descriptor, view)
+                    view = view[done:]
+                    self.at += done
+        except OSError:
+            self.at = start
+            os.ftruncate(self.descriptor, start)
+            os.lseek(self.descriptor, start, os.SEEK_SET)
+            raise
+        return start
+
+    def attach(self, name: str, kind: str, data: bytes) -> None:
+        """Write an attachment, such as the world."""
+        record = written(mcap.Attachment(0, 0, name, kind, data))
+        start = self.append(record)
+        self.tail.attachments.append(
+            mcap.AttachmentIndex(start, len(record), 0, 0, len(data), name, kind)
+        )
+
+    def note(self, name: str, values: Mapping[str, str]) -> None:
+        """Write a metadata record."""
+        record = written(mcap.Metadata(name, dict(values)))
+        start = self.append(record)
+        self.tail.metadata.append(mcap.MetadataIndex(start, len(record), name))
+
+    def chunk(self, blocks: Sequence[Block]) -> None:
+        """Write messages as one chunk with its indexes, at once."""
+        if not blocks:
+            return
+        new = self.channels.new
+        head = b"".join(written(record) for record in new)
+        data = b"".join([head, *(one.records.tobytes() for one in blocks)])
+        channels = np.concatenate([one.channels for one in blocks])
+        times = np.concatenate([one.times for one in blocks])
+        sizes = np.repeat([one.records.shape[1] for one in blocks], [len(b.times) for b in blocks])
+        offsets = (len(head) + np.cumsum(sizes) - sizes).astype(np.uint64)
+        start, end = int(times.min()), int(times.max())
+        packed = self.compressor.compress(data)
+        length = CHUNK.size - 9 + 4 + 4 + 8 + len(packed)
+        prefix = (
+            CHUNK.pack(Opcode.CHUNK, length, start, end, len(data), zlib.crc32(data))
+            + b"\x04\0\0\0zstd"
+            + struct.pack("<Q", len(packed))
+        )
+        indexes, places = message_indexes(channels, times, offsets)
+        at = self.append(prefix, packed, indexes.data)
+        places["offset"] += at + 9 + length
+        self.tail.chunks.append(
+            chunk_index(
+                start, end, at, 9 + length, places.tobytes(), len(indexes), len(packed), len(data)
+            )
+        )
+        self.tail.count(channels, start, end)
+        for record in new:
+            kind = self.tail.schemas if isinstance(record, mcap.Schema) else self.tail.channels
+            kind.append(record)
+        new.clear()
+
+    def check_there(self) -> None:
+        """Raises Vanished if the file has been removed: what is written goes nowhere."""
+        try:
+            same = os.path.samestat(os.stat(self.path), os.fstat(self.descriptor))
+        except FileNotFoundError:
+            same = False
+        if not same:
+            raise Vanished("the file has been removed")
+
+    def finish(self) -> None:
+        """Write the summary; the file is whole. Raises OSError."""
+        self.append(self.tail.bytes(self.at))
+
+    def close(self) -> None:
+        os.close(self.descriptor)
+
+
+def chunk_index(
+    start: int, end: int, at: int, length: int, places: bytes, indexes: int, packed: int, size: int
+) -> bytes:
+    """A ChunkIndex record; `places` are pairs of a channel and where its MessageIndex begins."""
+    body = (
+        struct.pack("<QQQQI", start, end, at, length, len(places))
+        + places
+        + struct.pack("<QI4sQQ", indexes, 4, b"zstd", packed, size)
+    )
+    return struct.pack("<BQ", Opcode.CHUNK_INDEX, len(body)) + body

@@ -1,0 +1,159 @@
+"""What is in a log, as arrays over ticks and robots, and as lists of what happened."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.log import commands
+from sim.log.batch import STATE, state_template
+from sim.log.cdr import Template, decode, template
+from sim.log.floor import rebuilt
+from sim.log.reader import LogReader
+
+STATES, SENT = "/troupe/state", "/troupe/commands"
+COMMAND = np.dtype(
+    [("tick", np.int64), ("time", float), ("robot", np.int64), ("mode", np.int64),
+     ("motors", bool), *((name, float) for name in commands.NUMBERS)]
+)  # fmt: skip
+"""One command as carried out: see Commands.msg."""
+Span = tuple[int | None, int | None]
+"""From and until when, ns of simulated time; None: from the start, to the end."""
+ALL: Span = (None, None)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A robot's entry: its tick and time (s), its pose x, y (m), yaw (rad), its name for ROS."""
+
+    tick: int
+    time: float
+    robot: int
+    name: str
+    model: str
+    pose: tuple[float, float, float]
+    topic: str
+
+
+def ticks_and_times(reader: LogReader, span: Span, interval: float) -> tuple[Any, Any]:
+    """The ticks (t,) and their simulated times (t,) in s; only indexes are read."""
+    parts = [entries["time"] for _, entries in reader.entries(STATES)]
+    stamps = np.concatenate([np.zeros(0, np.uint64), *parts])
+    if span[0] is not None:
+        stamps = stamps[stamps >= span[0]]
+    if span[1] is not None:
+        stamps = stamps[stamps < span[1]]
+    ticks = np.rint(stamps / (interval * 1e9)).astype(np.int64)
+    return ticks, ticks * interval
+
+
+def states(
+    reader: LogReader, span: Span = ALL
+) -> Iterator[tuple[Template, NDArray[np.uint8], int]]:
+    """Runs of states that are alike: their layout, their bytes (k, size), how many robots."""
+    for run in reader.runs(STATES, *span):
+        first = decode(STATE, run.messages[0].tobytes())
+        n, m = len(first["colors"]), len(first["movable_poses"]) // 3
+        layout = state_template(n, m)
+        if layout.size != run.messages.shape[1]:
+            raise reader.damaged("a state is not as it should be")
+        yield layout, run.messages, n
+
+
+def over_robots(
+    reader: LogReader, field: str, width: int, robots: int, span: Span, fill: Any, dtype: Any
+) -> NDArray[Any]:
+    """A field of the states as (t, robots) or, where it has more numbers, (t, robots, width).
+
+    `fill` stands where a robot has not entered yet.
+    """
+    parts = []
+    for layout, messages, n in states(reader, span):
+        part = np.full((len(messages), robots, width), fill, dtype)
+        if n:
+            part[:, :n] = layout.read(messages, field).reshape(len(messages), n, width)
+        parts.append(part)
+    found = np.concatenate([np.zeros((0, robots, width), dtype), *parts])
+    return found[:, :, 0] if width == 1 else found
+
+
+def over_ticks(reader: LogReader, field: str, span: Span) -> NDArray[Any]:
+    """A field of the states that has one number for all: (t,)."""
+    parts = [layout.read(messages, field)[:, 0] for layout, messages, _ in states(reader, span)]
+    return np.concatenate([np.zeros(0), *parts])
+
+
+def movables(reader: LogReader, span: Span) -> NDArray[np.float64]:
+    """(t, m, 3) the poses of what can be pushed."""
+    parts = []
+    for layout, messages, _ in states(reader, span):
+        if "movable_poses" in layout.places:
+            parts.append(layout.read(messages, "movable_poses").reshape(len(messages), -1, 3))
+        else:
+            parts.append(np.zeros((len(messages), 0, 3)))
+    return np.concatenate(parts) if parts else np.zeros((0, 0, 3))
+
+
+def entries(reader: LogReader) -> list[Entry]:
+    """All robots in the order in which they entered."""
+    from sim.log.frames import ros_name  # noqa: PLC0415
+
+    found: list[Entry] = []
+    taken: list[str] = []
+    for time, one in reader.messages("/troupe/entries"):
+        x, y, yaw = one["pose"].tolist()
+        taken.append(ros_name(one["name"], taken))
+        found.append(
+            Entry(
+                one["tick"],
+                time / 1e9,
+                one["robot"],
+                one["name"],
+                one["model"],
+                (x, y, yaw),
+                taken[-1],
+            )
+        )
+    return found
+
+
+def sent(reader: LogReader, span: Span = ALL) -> NDArray[Any]:
+    """(k,) of dtype COMMAND: the commands in the order in which they were carried out."""
+    parts = [np.zeros(0, COMMAND)]
+    for time, one in reader.messages(SENT, *span):
+        rows = np.zeros(len(one["robots"]), COMMAND)
+        rows["tick"], rows["time"] = one["tick"], time / 1e9
+        rows["robot"], rows["mode"], rows["motors"] = one["robots"], one["modes"], one["motors"]
+        values = one["values"].reshape(-1, len(commands.NUMBERS))
+        for index, name in enumerate(commands.NUMBERS):
+            rows[name] = values[:, index]
+        parts.append(rows)
+    return np.concatenate(parts)
+
+
+def floor(reader: LogReader, until: int | None = None) -> NDArray[np.int16] | None:
+    """(rows, columns) who painted each cell last, 1 + robot, before `until` (ns); None: nobody."""
+    return rebuilt(one for _, one in reader.messages("/troupe/paint", None, until))
+
+
+def scan_arrays(
+    reader: LogReader, topic: str, field: str, span: Span
+) -> tuple[NDArray[np.float64], NDArray[np.float32], dict[str, Any] | None]:
+    """Times (k,) in s and an array (k, samples) of a topic's messages, and the first of them."""
+    times, rows, first = [], [], None
+    for run in reader.runs(topic, *span):
+        kind = reader.topics[topic][1]
+        one = decode(kind, run.messages[0].tobytes())
+        first = one if first is None else first
+        layout = template(kind, one)
+        if layout.size != run.messages.shape[1]:
+            raise reader.damaged("a reading is not as it should be")
+        times.append(run.times / 1e9)
+        rows.append(layout.read(run.messages, field))
+    if not rows:
+        return np.zeros(0), np.zeros((0, 0), np.float32), None
+    return np.concatenate(times), np.concatenate(rows), first

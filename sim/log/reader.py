@@ -1,0 +1,330 @@
+"""Reads a log: its index at once, chunks when they are asked for, many messages in one array."""
+
+from __future__ import annotations
+
+import io
+import mmap
+import struct
+import zlib
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import zstandard
+from mcap import records as mcap
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from numpy.typing import NDArray
+
+from sim.log.blocks import ENTRY, INDEX, PLACE, PREFIX
+from sim.log.cdr import decode
+from sim.log.container import CHUNK, MAGIC
+from sim.log.errors import LogError
+from sim.log.writer import FORMAT, reason
+
+FOOT = struct.Struct("<BQQQI")
+KEPT = 4
+"""Unpacked chunks that are kept."""
+DAMAGES = (
+    McapError, struct.error, zstandard.ZstdError, zlib.error, ValueError, KeyError, IndexError,
+    OverflowError, MemoryError, UnicodeDecodeError,
+)  # fmt: skip
+"""What comes of reading bytes that are not what they should be."""
+
+
+class ChunkPlace(NamedTuple):
+    """A chunk in the file: from when to when (ns), where it lies, where its indexes are."""
+
+    start: int
+    end: int
+    at: int
+    places: NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Run:
+    """Messages of one size: log times (k,) in ns, and data (k, size) with CDR's head."""
+
+    times: NDArray[np.uint64]
+    messages: NDArray[np.uint8]
+
+
+class LogReader:
+    """An open log. Raises LogError for what is no log, is cut, or is of a later version."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.topics: dict[str, tuple[int, str]] = {}
+        """By topic: its channel, and its type such as `troupe_msgs/State`."""
+        self.counts: dict[int, int] = {}
+        self.chunks: list[ChunkPlace] = []
+        self.header: mcap.Header | None = None
+        self._attachments: dict[str, mcap.AttachmentIndex] = {}
+        self._metadata: dict[str, mcap.MetadataIndex] = {}
+        self._unpacked: OrderedDict[int, bytes] = OrderedDict()
+        self._map = mapped(path)
+        try:
+            self._read_summary()
+        except LogError:
+            raise
+        except DAMAGES as error:
+            raise self.damaged(error) from None
+        self.about = self.metadata("troupe")
+        self._check_version()
+
+    @property
+    def size(self) -> int:
+        """Bytes of the file."""
+        return len(self._map)
+
+    def damaged(self, error: Exception | str) -> LogError:
+        """What is said of a file that is broken inside."""
+        return LogError(
+            f"{self.path}: the log is damaged ({error}): "
+            f"`troupe log recover` saves what can be read of it"
+        )
+
+    def _read_summary(self) -> None:
+        data = self._map
+        self.header = self._record(len(MAGIC), Opcode.HEADER, mcap.Header)
+        end = len(data) - len(MAGIC)
+        if data[end:] != MAGIC:
+            raise LogError(
+                f"{self.path}: the log was cut off before its end: "
+                "`troupe log recover` makes a whole one of it"
+            )
+        opcode, length, start, _, _ = FOOT.unpack_from(data, end - FOOT.size)
+        if opcode != Opcode.FOOTER or length != 20 or not 0 < start < end:
+            raise LogError(
+                f"{self.path}: the log has no summary: `troupe log recover` makes it anew"
+            )
+        schemas: dict[int, str] = {}
+        for opcode, at, size in self._records(start, end - FOOT.size):
+            if opcode == Opcode.CHUNK_INDEX:
+                self.chunks.append(chunk_place(data, at, size))
+            elif opcode == Opcode.SCHEMA:
+                one = mcap.Schema.read(self._stream(at, size))
+                schemas[one.id] = one.name.replace("/msg/", "/")
+            elif opcode == Opcode.CHANNEL:
+                topic = mcap.Channel.read(self._stream(at, size))
+                self.topics[topic.topic] = topic.id, schemas.get(topic.schema_id, "")
+            elif opcode == Opcode.STATISTICS:
+                self.counts = mcap.Statistics.read(self._stream(at, size)).channel_message_counts
+            elif opcode == Opcode.ATTACHMENT_INDEX:
+                found = mcap.AttachmentIndex.read(self._stream(at, size))
+                self._attachments[found.name] = found
+            elif opcode == Opcode.METADATA_INDEX:
+                note = mcap.MetadataIndex.read(self._stream(at, size))
+                self._metadata[note.name] = note
+        self.chunks.sort(key=lambda chunk: (chunk.start, chunk.at))
+
+    def _check_version(self) -> None:
+        if not self.about:
+            library = self.header.library if self.header else ""
+            raise LogError(
+                f"{self.path}: this MCAP file was not written by Troupe but by "
+                f"{library or 'another program'}: Foxglove, Lichtblick and Rerun open such files"
+            )
+        found = self.about.get("format", "")
+        if not found.isdecimal() or int(found) > FORMAT:
+            raise LogError(
+                f"{self.path}: the log is of a later version of Troupe "
+                f"({self.about.get('version', 'unknown')}; its format is {found or 'unknown'}, "
+                f"this version reads {FORMAT}): read it with that version"
+            )
+
+    def _records(self, at: int, end: int) -> Iterator[tuple[int, int, int]]:
+        """Opcode, place and size of the records between two offsets."""
+        while at + 9 <= end:
+            opcode, size = struct.unpack_from("<BQ", self._map, at)
+            at += 9
+            if at + size > end:
+                raise ValueError("a record is longer than the file")
+            yield opcode, at, size
+            at += size
+
+    def _stream(self, at: int, size: int) -> ReadDataStream:
+        return ReadDataStream(io.BytesIO(self._map[at : at + size]))
+
+    def _record(self, at: int, opcode: int, kind: Any) -> Any:
+        found, size = struct.unpack_from("<BQ", self._map, at)
+        if found != opcode or at + 9 + size > len(self._map):
+            raise ValueError("a record is not where it should be")
+        return kind.read(self._stream(at + 9, size))
+
+    # --- what is beside the messages
+
+    def metadata(self, name: str) -> dict[str, str]:
+        """The texts of a metadata record; none where there is no such record."""
+        place = self._metadata.get(name)
+        if place is None:
+            return {}
+        try:
+            found: dict[str, str] = self._record(
+                place.offset, Opcode.METADATA, mcap.Metadata
+            ).metadata
+        except DAMAGES as error:
+            raise self.damaged(error) from None
+        return found
+
+    def attachments(self) -> dict[str, bytes]:
+        """All attachments by name."""
+        return {name: self.attachment(name) or b"" for name in self._attachments}
+
+    def attachment(self, name: str) -> bytes | None:
+        """The content of an attachment; None where there is none of that name."""
+        place = self._attachments.get(name)
+        if place is None:
+            return None
+        try:
+            found: bytes = self._record(place.offset, Opcode.ATTACHMENT, mcap.Attachment).data
+        except DAMAGES as error:
+            raise self.damaged(error) from None
+        return found
+
+    # --- messages
+
+    def count(self, topic: str) -> int:
+        """Messages on a topic."""
+        return self.counts.get(self.topics[topic][0], 0) if topic in self.topics else 0
+
+    def entries(self, topic: str) -> list[tuple[ChunkPlace, NDArray[Any]]]:
+        """By chunk, the times and offsets (ENTRY) of a topic's messages; nothing is unpacked."""
+        if topic not in self.topics:
+            return []
+        return [(chunk, self._entries(chunk, self.topics[topic][0])) for chunk in self.chunks]
+
+    def runs(self, topic: str, start: int | None = None, end: int | None = None) -> Iterator[Run]:
+        """A topic's messages with start <= log time < end (ns), in order, those alike together."""
+        if topic not in self.topics:
+            return
+        number = self.topics[topic][0]
+        for chunk in self.chunks:
+            if (start is not None and chunk.end < start) or (
+                end is not None and chunk.start >= end
+            ):
+                continue
+            try:
+                yield from self._runs(chunk, number, start, end)
+            except DAMAGES as error:
+                raise self.damaged(error) from None
+
+    def messages(
+        self, topic: str, start: int | None = None, end: int | None = None
+    ) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Log times (ns) and decoded messages of a topic, one by one."""
+        if topic not in self.topics:
+            return
+        kind = self.topics[topic][1]
+        for run in self.runs(topic, start, end):
+            for time, data in zip(run.times.tolist(), run.messages, strict=True):
+                try:
+                    yield time, decode(kind, data.tobytes())
+                except DAMAGES as error:
+                    raise self.damaged(error) from None
+
+    def _entries(self, chunk: ChunkPlace, channel: int) -> NDArray[Any]:
+        which = np.flatnonzero(chunk.places["channel"] == channel)
+        if not len(which):
+            return np.zeros(0, ENTRY)
+        at = int(chunk.places["offset"][which[0]])
+        head = np.frombuffer(self._map[at : at + INDEX.itemsize], INDEX)[0]
+        at += INDEX.itemsize
+        data = self._map[at : at + int(head["bytes"])]
+        if head["opcode"] != Opcode.MESSAGE_INDEX or head["channel"] != channel:
+            raise self.damaged("an index is not where it should be")
+        return np.frombuffer(data, ENTRY)
+
+    def _runs(
+        self, chunk: ChunkPlace, channel: int, start: int | None, end: int | None
+    ) -> Iterator[Run]:
+        entries = self._entries(chunk, channel)
+        if start is not None:
+            entries = entries[entries["time"] >= start]
+        if end is not None:
+            entries = entries[entries["time"] < end]
+        if not len(entries):
+            return
+        data = np.frombuffer(self.unpacked(chunk), np.uint8)
+        offsets = entries["offset"].astype(np.int64)
+        if offsets.max() + PREFIX.itemsize > len(data):
+            raise ValueError("an index points outside of its chunk")
+        prefixes = data[offsets[:, None] + np.arange(9)]
+        sizes = np.ascontiguousarray(prefixes[:, 1:]).view("<u8")[:, 0].astype(np.int64) - 22
+        if sizes.min() < 4 or (offsets + PREFIX.itemsize + sizes).max() > len(data):
+            raise ValueError("a message is longer than its chunk")
+        breaks = np.flatnonzero(np.diff(sizes)) + 1
+        for which in np.split(np.arange(len(sizes)), breaks):
+            places = offsets[which] + PREFIX.itemsize
+            size = int(sizes[which[0]])
+            step = int(places[1] - places[0]) if len(places) > 1 else size
+            if step >= size and (np.diff(places) == step).all():
+                rows = np.lib.stride_tricks.as_strided(
+                    data[places[0] :], (len(places), size), (step, 1), writeable=False
+                )
+            else:
+                rows = data[places[:, None] + np.arange(size)]
+            yield Run(entries["time"][which], rows)
+
+    def unpacked(self, chunk: ChunkPlace) -> bytes:
+        """A chunk's records."""
+        if chunk.at in self._unpacked:
+            self._unpacked.move_to_end(chunk.at)
+            return self._unpacked[chunk.at]
+        data = unpack(memoryview(self._map), chunk.at)
+        self._unpacked[chunk.at] = data
+        if len(self._unpacked) > KEPT:
+            self._unpacked.popitem(last=False)
+        return data
+
+
+MOST_UNPACKED = 1 << 31
+"""Bytes: a chunk that claims more is not one of ours."""
+
+
+def unpack(data: memoryview, at: int) -> bytes:
+    """The records of the chunk at an offset; ValueError for what is not whole."""
+    opcode, length, _, _, size, crc = CHUNK.unpack_from(data, at)
+    end = at + 9 + length
+    if opcode != Opcode.CHUNK or end > len(data) or size > MOST_UNPACKED:
+        raise ValueError("a chunk is not where it should be")
+    body = data[at + CHUNK.size : end]
+    (name,) = struct.unpack_from("<I", body)
+    kind = bytes(body[4 : 4 + name])
+    (packed,) = struct.unpack_from("<Q", body, 4 + name)
+    content = body[12 + name : 12 + name + packed]
+    if kind == b"zstd":
+        found = zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
+    elif kind == b"":
+        found = bytes(content)
+    else:
+        raise ValueError(f"a chunk is packed in a way that Troupe never uses: {kind!r:.20}")
+    if len(found) != size or (crc and zlib.crc32(found) != crc):
+        raise ValueError("a chunk's checksum is wrong")
+    return found
+
+
+def chunk_place(data: mmap.mmap, at: int, size: int) -> ChunkPlace:
+    """A ChunkIndex record."""
+    start, end, place, _, length = struct.unpack_from("<QQQQI", data, at)
+    if 36 + length > size:
+        raise ValueError("a chunk's index is longer than its record")
+    return ChunkPlace(start, end, place, np.frombuffer(data[at + 36 : at + 36 + length], PLACE))
+
+
+def mapped(path: Path) -> mmap.mmap:
+    """A file's bytes; LogError for what cannot be read or is no MCAP file."""
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise LogError(f"{path}: is not an MCAP file, so it is no log of a run")
+            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    except (OSError, ValueError) as error:
+        if isinstance(error, LogError):
+            raise
+        what = reason(error) if isinstance(error, OSError) else str(error)
+        raise LogError(f"{path}: cannot be read: {what}") from None

@@ -1,0 +1,127 @@
+"""Makes a whole log of one that was cut off: what is in it, with the index that readers need."""
+
+from __future__ import annotations
+
+import io
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap import records as mcap
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from numpy.typing import NDArray
+
+from sim.log.blocks import PREFIX, message_indexes
+from sim.log.container import CHUNK, MAGIC, LogFile, chunk_index
+from sim.log.errors import LogError
+from sim.log.reader import DAMAGES, mapped, unpack
+from sim.log.writer import reason
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """What was saved: messages, up to which simulated time (s), and bytes that were of no use."""
+
+    messages: int
+    until: float
+    lost: int
+
+
+def recover(source: Path, target: Path) -> Recovered:
+    """Write what can be read of a log to a new file. Raises LogError where nothing can be."""
+    if target.exists():
+        raise LogError(f"{target}: there is such a file already: name another with -o")
+    data = mapped(source)
+    view = memoryview(data)
+    out: LogFile | None = None
+    lost, at = 0, len(MAGIC)
+    known: set[tuple[str, int]] = set()
+    try:
+        while at + 9 <= len(data):
+            opcode, size = struct.unpack_from("<BQ", data, at)
+            end = at + 9 + size
+            if end > len(data) or opcode in (Opcode.DATA_END, Opcode.FOOTER, 0):
+                break
+            body = view[at + 9 : end]
+            if opcode == Opcode.HEADER:
+                out = LogFile(target, read(mcap.Header, body).library)
+            elif out is None:
+                break
+            elif opcode == Opcode.CHUNK:
+                try:
+                    copy_chunk(out, view, at, end, known)
+                except DAMAGES:
+                    lost += end - at
+            elif opcode == Opcode.ATTACHMENT:
+                one = read(mcap.Attachment, body)
+                out.attach(one.name, one.media_type, one.data)
+            elif opcode == Opcode.METADATA:
+                note = read(mcap.Metadata, body)
+                out.note(note.name, note.metadata)
+            at = end
+        if out is None or not out.tail.chunks:
+            raise LogError(f"{source}: there is nothing in it that could be saved")
+        out.finish()
+    except LogError:
+        target.unlink(missing_ok=True)
+        raise
+    except OSError as error:
+        target.unlink(missing_ok=True)
+        raise LogError(f"{target}: cannot be written: {reason(error)}") from None
+    except DAMAGES as error:
+        target.unlink(missing_ok=True)
+        raise LogError(f"{source}: nothing could be saved of it ({error})") from None
+    finally:
+        if out is not None:
+            out.close()
+    return Recovered(sum(out.tail.counts.values()), out.tail.last / 1e9, lost)
+
+
+def read(kind: Any, body: memoryview) -> Any:
+    return kind.read(ReadDataStream(io.BytesIO(body)))
+
+
+def copy_chunk(
+    out: LogFile, view: memoryview, at: int, end: int, known: set[tuple[str, int]]
+) -> None:
+    """Copy a chunk as it is, with a new index; its schemas and channels go to the summary."""
+    _, _, start, last, size, _ = CHUNK.unpack_from(view, at)
+    records = unpack(view, at)
+    channels, times, offsets = messages(records, out, known)
+    if not len(times):
+        return
+    indexes, places = message_indexes(channels, times, offsets)
+    begin = out.append(view[at:end], indexes.data)
+    places["offset"] += begin + end - at
+    packed = end - at - CHUNK.size - 16
+    out.tail.chunks.append(
+        chunk_index(start, last, begin, end - at, places.tobytes(), len(indexes), packed, size)
+    )
+    out.tail.count(channels, start, last)
+
+
+def messages(
+    records: bytes, out: LogFile, known: set[tuple[str, int]]
+) -> tuple[NDArray[np.uint16], NDArray[np.uint64], NDArray[np.uint64]]:
+    """Channels, times and offsets of a chunk's messages; tells `out` of what else is in it."""
+    offsets = []
+    at, view = 0, memoryview(records)
+    while at + 9 <= len(records):
+        opcode, size = struct.unpack_from("<BQ", records, at)
+        if opcode == Opcode.MESSAGE:
+            offsets.append(at)
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            kind: Any = mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel
+            one = read(kind, view[at + 9 : at + 9 + size])
+            group = out.tail.schemas if opcode == Opcode.SCHEMA else out.tail.channels
+            if (kind.__name__, one.id) not in known:
+                known.add((kind.__name__, one.id))
+                group.append(one)
+        at += 9 + size
+    places = np.array(offsets, np.int64)
+    data = np.frombuffer(records, np.uint8)
+    prefixes = data[places[:, None] + np.arange(PREFIX.itemsize)].copy().view(PREFIX)[:, 0]
+    return prefixes["channel"], prefixes["log_time"], places.astype(np.uint64)

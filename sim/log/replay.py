@@ -1,0 +1,147 @@
+"""Runs a logged world again: the bodies, moved by the commands as they were carried out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.log import commands, contents
+from sim.log.errors import LogError
+from sim.log.reader import LogReader
+from sim.log.world import loaded_again
+from sim.stage.physics import pose_of
+from sim.stage.stage import Stage
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a second run was the same.
+
+    `digest` is that of the log's poses. Where they differ: the first tick in which they do, the
+    first robot, and by how much the second run's pose is off (m, m, rad); tick 0 is the start.
+    """
+
+    ticks: int
+    digest: str
+    told_digest: str | None
+    tick: int | None = None
+    robot: str | None = None
+    difference: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def equal(self) -> bool:
+        """Whether every pose of every tick was the same, and so the digest that the run told."""
+        return self.tick is None and self.told_digest in (None, self.digest)
+
+
+def check(reader: LogReader, told_digest: str | None) -> Verdict:
+    """Move the bodies of a log's world again and compare every pose of every tick, bit by bit.
+
+    No program runs: robots get the commands that the log says were carried out, in the tick in
+    which they were. `told_digest`: that of the run's result, if it has one. Raises LogError.
+    """
+    loaded = loaded_again(reader.attachments(), reader.path)
+    stage = Stage(loaded.layout, loaded.world.models, loaded.world.clock)
+    entering: dict[int, list[contents.Entry]] = defaultdict(list)
+    entries = contents.entries(reader)
+    for entry in entries:
+        entering[entry.tick].append(entry)
+    names = [entry.name for entry in entries]
+    if not entries:
+        raise LogError(f"{reader.path}: no robot has entered in it: there is nothing to run again")
+    begun = [entry.pose for entry in entering[0]]
+    start = loaded.place(int(reader.about["seed"]))
+    wrong = first_difference(np.array(begun).reshape(-1, 3), start)
+    if wrong is not None:
+        robot, difference = wrong
+        return Verdict(0, "", told_digest, 0, names[robot], difference)
+    enter(stage, entering[0])
+    told = by_tick(contents.sent(reader))
+    hands = {one["tick"]: one for _, one in reader.messages("/troupe/hands")}
+    digest = hashlib.sha256()
+    tick = 0
+    for tick, poses in kept(reader, loaded.world.clock.interval):
+        by_hand(stage, hands.get(tick))
+        for row in told.get(tick, ()):
+            obey(stage, row)
+        stage.tick()
+        enter(stage, entering.get(tick, ()))
+        wrong = first_difference(poses, stage.poses)
+        digest.update(poses.tobytes())
+        if wrong is not None:
+            robot, difference = wrong
+            return Verdict(tick, "", told_digest, tick, names[robot], difference)
+    return Verdict(tick, "sha256:" + digest.hexdigest(), told_digest)
+
+
+def kept(reader: LogReader, interval: float) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Ticks from 1 on and their poses (n, 3); raises LogError where some are missing."""
+    due = 1
+    for layout, messages, n in contents.states(reader):
+        ticks = layout.read(messages, "tick")[:, 0].tolist()
+        poses = layout.read(messages, "poses") if n else np.zeros((len(ticks), 0))
+        for tick, row in zip(ticks, poses, strict=True):
+            if tick != due:
+                raise LogError(
+                    f"{reader.path}: tick {due} is missing (at {due * interval:g} s): what came "
+                    "after it cannot be run again"
+                )
+            due += 1
+            yield tick, row.reshape(-1, 3)
+
+
+def enter(stage: Stage, entries: Any) -> None:
+    for entry in entries:
+        stage.add_robot(entry.model, entry.pose)
+
+
+def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
+    """Put down and settle robots, in the order in which that was done."""
+    if hands is None:
+        return
+    poses = hands["poses"].reshape(-1, 3)
+    for robot, settled, pose in zip(
+        hands["robots"].tolist(), hands["settled"].tolist(), poses, strict=True
+    ):
+        if settled:
+            stage.settle(robot)
+        else:
+            stage.put_down(robot, pose_of(pose))
+
+
+def by_tick(rows: NDArray[Any]) -> dict[int, NDArray[Any]]:
+    """Commands by the tick in which they were carried out."""
+    if not len(rows):
+        return {}
+    ticks = rows["tick"]
+    order = np.argsort(ticks, kind="stable")
+    rows = rows[order]
+    firsts = np.flatnonzero(np.r_[True, np.diff(rows["tick"]) != 0])
+    return {int(part["tick"][0]): part for part in np.split(rows, firsts[1:])}
+
+
+def obey(stage: Stage, row: Any) -> None:
+    """Give a robot a command of the log."""
+    values = [float(row[name]) for name in commands.NUMBERS]
+    values += [float(row["mode"]), float(row["motors"])]
+    commands.obey(stage.records[int(row["robot"])], np.array(values))
+
+
+def first_difference(
+    kept: NDArray[np.float64], again: NDArray[np.float64]
+) -> tuple[int, tuple[float, float, float]] | None:
+    """The first robot whose poses (n, 3) differ in any bit, and by how much."""
+    if kept.shape != again.shape:
+        return min(len(kept), len(again), max(len(kept), len(again)) - 1), (np.nan, np.nan, np.nan)
+    if kept.tobytes() == again.tobytes():
+        return None
+    bits = np.ascontiguousarray(again).view(np.int64)
+    robot = int(np.flatnonzero((kept.view(np.int64) != bits).any(axis=1))[0])
+    x, y, yaw = (again[robot] - kept[robot]).tolist()
+    return robot, (x, y, yaw)
