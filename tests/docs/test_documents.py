@@ -21,6 +21,7 @@ PAGES = [
     "docs/running.md",
     "docs/logs.md",
     "docs/controllers.md",
+    "docs/python.md",
     "docs/debugging.md",
     "docs/sweeps.md",
     "docs/paint.md",
