@@ -48,7 +48,7 @@ class Trial:
         return [
             sys.executable, "-m", "troupe", "sweep", str(self.world), "--out", str(self.out),
             "--seeds", f"0:{self.runs // 2}", "--set", "models.rover.drive.max_speed=0.2,0.5",
-            "--jobs", "2", "--quiet",
+            "--jobs", "2", "--quiet", "--retry-failed",  # three kills may hit one run
         ]  # fmt: skip
 
     def start(self) -> subprocess.Popen[bytes]:
