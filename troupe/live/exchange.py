@@ -59,11 +59,14 @@ class Exchange:
         self.scenes += 1
         self.ring()
 
-    def offer(self, moment: Moment, cost: float = 0.0) -> None:
-        """The run has come to this moment; making it has cost so many seconds."""
+    def offer(self, moment: Moment, cost: float = 0.0, *, idle: bool = False) -> None:
+        """The run has come to this moment; making it has cost so many seconds.
+
+        `idle`: the run has time to spare, as it is held to the wall clock.
+        """
         with self._lock:
             spent, self._cost = self._cost + cost, 0.0
-        self._next = monotonic() + max(LEAST, spent / SHARE)
+        self._next = monotonic() + (LEAST if idle else max(LEAST, spent / SHARE))
         self.hungry = False
         self.moment = moment
         self.moments += 1

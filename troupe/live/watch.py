@@ -192,7 +192,8 @@ class Watch:
         self._seen = self.exchange.selected
         moment = self.moment(engine)
         self._offered = monotonic()
-        self.exchange.offer(moment, thread_time() - began)
+        cost, idle = thread_time() - began, engine.realtime is not None
+        self.exchange.offer(moment, cost, idle=idle)
 
     def moment(self, engine: Engine) -> Moment:
         """What the engine is at."""
