@@ -15,6 +15,8 @@ from sim.log import commands, contents
 from sim.log.errors import LogError
 from sim.log.reader import LogReader
 from sim.log.world import loaded_again
+from sim.stage.geometry import wrapped
+from sim.stage.layout import Layout
 from sim.stage.physics import pose_of
 from sim.stage.stage import Stage
 
@@ -55,13 +57,14 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
     names = [entry.name for entry in entries]
     if not entries:
         raise LogError(f"{reader.path}: no robot has entered in it: there is nothing to run again")
-    begun = [entry.pose for entry in entering[0]]
+    begun = np.array([entry.pose for entry in entering[0]]).reshape(-1, 3)
     start = loaded.place(int(reader.about["seed"]))
-    wrong = first_difference(np.array(begun).reshape(-1, 3), start)
+    wrong = first_difference(begun, as_told(start))
     if wrong is not None:
         robot, difference = wrong
         return Verdict(0, "", told_digest, 0, names[robot], difference)
-    enter(stage, entering[0])
+    for entry, pose in zip(entering[0], start, strict=True):
+        stage.add_robot(entry.model, pose)
     told = by_tick(contents.sent(reader))
     hands = {one["tick"]: one for _, one in reader.messages("/troupe/hands")}
     digest = hashlib.sha256()
@@ -71,7 +74,8 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
         for row in told.get(tick, ()):
             obey(stage, row)
         stage.tick()
-        enter(stage, entering.get(tick, ()))
+        for entry in entering.get(tick, ()):
+            stage.add_robot(entry.model, at_door(loaded.layout, entry.pose))
         wrong = first_difference(poses, stage.poses)
         digest.update(poses.tobytes())
         if wrong is not None:
@@ -96,9 +100,18 @@ def kept(reader: LogReader, interval: float) -> Iterator[tuple[int, NDArray[np.f
             yield tick, row.reshape(-1, 3)
 
 
-def enter(stage: Stage, entries: Any) -> None:
-    for entry in entries:
-        stage.add_robot(entry.model, entry.pose)
+def as_told(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Poses (n, 3) at which robots enter, as entries tell them: the yaw in (-pi, pi]."""
+    told = poses.copy()
+    told[:, 2] = wrapped(poses[:, 2])
+    return told
+
+
+def at_door(layout: Layout, pose: tuple[float, float, float]) -> NDArray[np.float64]:
+    """The exact pose of the door through which a robot came, whose entry tells `pose`."""
+    doors = np.array([[*door.centre, door.heading] for door in layout.doors]).reshape(-1, 3)
+    same = np.flatnonzero((as_told(doors) == pose).all(axis=1))
+    return doors[same[0]] if len(same) else np.array(pose)
 
 
 def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
