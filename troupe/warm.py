@@ -44,9 +44,11 @@ models:
     body: {shape: circle, radius: 0.3}
     drive: {kind: car, wheelbase: 0.4, max_steering: 30}
     localization: gps
+    sensors: [{type: laser, range: 5}]
   slider:
     body: {shape: polygon, points: [[-0.3, -0.3], [0.3, 0], [-0.3, 0.3]]}
     drive: {kind: omnidirectional}
+    sensors: [{type: blobfinder, range: 5, image: [40, 30]}]
 robots:
   - {model: all, count: 2, placement: random}
   - {model: car, count: 2, placement: random}

@@ -51,7 +51,9 @@ def sweep(
     table: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE.csv", help="Rows of settings instead; columns `world` and `seed` too."
+            metavar="FILE.csv",
+            help="Rows of settings instead; columns `world` and `seed` too.",
+            show_default="none",
         ),
     ] = None,
     duration: Annotated[
@@ -76,7 +78,11 @@ def sweep(
     ] = None,
     dask: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Run on the workers of a dask scheduler."),
+        typer.Option(
+            metavar="ADDRESS",
+            help="Run on the workers of a dask scheduler.",
+            show_default="on this machine",
+        ),
     ] = None,
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Run again what failed, crashed or timed out.")
@@ -84,12 +90,18 @@ def sweep(
     each: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="MODULE:FUNCTION", help="A function of a result that adds columns. Repeatable."
+            metavar="MODULE:FUNCTION",
+            help="A function of a result that adds columns. Repeatable.",
+            show_default="none",
         ),
     ] = None,
     video_of: Annotated[
         str | None,
-        typer.Option(metavar="failed|first|N", help="Make videos of these runs, in DIR/videos."),
+        typer.Option(
+            metavar="failed|first|N",
+            help="Make videos of these runs, in DIR/videos.",
+            show_default="of none",
+        ),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
