@@ -140,6 +140,7 @@ def run_file(
 
         size = parse_size(video_size) if isinstance(video_size, str) else video_size
         show = parse_layers(video_show) if isinstance(video_show, str) else video_show
+        check_log(loaded, log, log_sensors)
         film = None
         if picture is not None:
             still = open_still(Path(picture), loaded, at=at, size=size, show=show)
@@ -157,6 +158,12 @@ def run_file(
                 show=show,
             )
             film = Film(video_recorder, None if film is None else film.still)
+
+            def give_up(kind: object, *_: object, film: Film = film) -> None:
+                if kind and not begun and film.recorder is not None:
+                    film.recorder.close()  # no frames: no file
+
+            ending.push(give_up)
             if video_recorder.notice:
                 say(video_recorder.notice)
         recorder = open_log_of(loaded, told, log, log_sensors, as_text(settings))
@@ -289,18 +296,14 @@ def open_log_of(
     sensors: Sequence[str] | None,
     settings: Sequence[str],
 ) -> Recorder | None:
-    """The log that was asked for here or in the world file, if any; raises LogError, UsageError."""
-    asked = loaded.world.log
-    if path is None and asked is None:
-        if sensors:
-            raise UsageError("log sensors: there is no log to be written; name its file: run.mcap")
+    """The log that was asked for here or in the world file, if any; raises LogError."""
+    path, sensors = log_of(loaded, path, sensors)
+    if path is None:
         return None
     from sim.engine import label  # noqa: PLC0415
     from sim.log.recorder import open_log  # noqa: PLC0415
     from troupe.about import machine, versions  # noqa: PLC0415
 
-    if sensors is None:
-        sensors = () if asked is None else asked.sensors
     about = {
         "world": label(loaded.path),
         "title": loaded.world.name or loaded.path.stem,
@@ -312,7 +315,26 @@ def open_log_of(
         "machine": machine(),
         **versions(),
     }
-    if path is None:
-        assert asked is not None
-        path = asked.file
-    return open_log(Path(path), loaded, sensors, about)
+    return open_log(path, loaded, sensors, about)
+
+
+def check_log(loaded: LoadedWorld, path: str | Path | None, sensors: Sequence[str] | None) -> None:
+    """Raises LogError or UsageError for a log that cannot be, before any file is touched."""
+    found, names = log_of(loaded, path, sensors)
+    if found is not None:
+        from sim.log.recorder import check_request  # noqa: PLC0415
+
+        check_request(found, loaded, names)
+    elif names:
+        raise UsageError("log sensors: there is no log to be written; name its file: run.mcap")
+
+
+def log_of(
+    loaded: LoadedWorld, path: str | Path | None, sensors: Sequence[str] | None
+) -> tuple[Path | None, Sequence[str]]:
+    """The log's file and sensors: as told, else as the world has it; None for no log."""
+    asked = loaded.world.log
+    if asked is not None:
+        path = asked.file if path is None else path
+        sensors = asked.sensors if sensors is None else sensors
+    return None if path is None else Path(path), sensors or ()

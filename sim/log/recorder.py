@@ -45,6 +45,21 @@ def open_log(
     sensors: `all`, or the types of those whose readings are kept (`laser`, `blobfinder`, ...,
     `odometry`, `commands`). about: what runs, as texts. Raises LogError for what cannot be.
     """
+    check_request(path, loaded, sensors)
+    writer = LogWriter(path, f"troupe {about.get('version', '')}".strip(), about)
+    try:
+        for name, kind, data in attachments(loaded):
+            writer.attach(name, kind, data)
+    except LogError:
+        writer.close({})
+        path.unlink(missing_ok=True)
+        raise
+    writer.batches.with_twists = ALL in sensors or "commands" in sensors
+    return Recorder(writer, loaded, frozenset(sensors))
+
+
+def check_request(path: Path, loaded: LoadedWorld, sensors: Sequence[str]) -> None:
+    """Raises LogError for a log that cannot be asked for."""
     from sensors.registry import SENSORS  # noqa: PLC0415
 
     own = {
@@ -59,16 +74,6 @@ def open_log(
             raise LogError(f"log sensors: there is no {name!r}; allowed: {allowed}")
     if path.suffix.lower() != ".mcap":
         raise LogError(f"{path}: a log is an MCAP file: name it *.mcap")
-    writer = LogWriter(path, f"troupe {about.get('version', '')}".strip(), about)
-    try:
-        for name, kind, data in attachments(loaded):
-            writer.attach(name, kind, data)
-    except LogError:
-        writer.close({})
-        path.unlink(missing_ok=True)
-        raise
-    writer.batches.with_twists = ALL in sensors or "commands" in sensors
-    return Recorder(writer, loaded, frozenset(sensors))
 
 
 class Recorder:
