@@ -25,7 +25,7 @@ from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
 from sim.fleet.drivers import Drivers
 from sim.fleet.fleet import Fleet
-from sim.fleet.functions import Controllers, Functions
+from sim.fleet.functions import Controllers, FunctionError, Functions
 from sim.fleet.routing import Router
 from sim.pace import Pace
 from sim.ports import Ports
@@ -186,7 +186,12 @@ class Engine:
         if self.ended is not None:
             return False
         self.tick()
-        for index in self.functions.call(self.ticks, self.time):
+        try:
+            done = self.functions.call(self.ticks, self.time)
+        except FunctionError as error:
+            error.result = self.result("interrupted", perf_counter() - self.began)
+            raise
+        for index in done:
             self.drivers.end(self.robots[index].driver, "finished", 0, None)
         return True
 

@@ -134,32 +134,40 @@ def run(
         RunError: a hook or a controller function has raised; the error has the result so far.
         KeyboardInterrupt: on Ctrl-C before the run has begun, or on a second one.
     """
+    from sim.fleet.functions import FunctionError  # noqa: PLC0415
     from troupe.hooks import Hooks  # noqa: PLC0415
     from troupe.running import as_text, run_file  # noqa: PLC0415 - `import troupe` stays light
 
     hooks = Hooks(each_tick, until, trajectories)
-    done = run_file(
-        world,
-        seed=seed,
-        duration=duration,
-        settings=[*as_text(set), *as_text(settings)],
-        realtime=realtime,
-        listen=listen,
-        patience=patience,
-        fail_fast=fail_fast,
-        video=video,
-        video_fps=video_fps,
-        video_speed=video_speed,
-        video_size=video_size,
-        video_show=video_show,
-        picture=picture,
-        at=at,
-        log=log,
-        log_sensors=log_sensors,
-        say=say or (lambda line: None),
-        controllers=controllers,
-        each_tick=hooks.each_tick if hooks.wanted else None,
-    )
+    try:
+        done = run_file(
+            world,
+            seed=seed,
+            duration=duration,
+            settings=[*as_text(set), *as_text(settings)],
+            realtime=realtime,
+            listen=listen,
+            patience=patience,
+            fail_fast=fail_fast,
+            video=video,
+            video_fps=video_fps,
+            video_speed=video_speed,
+            video_size=video_size,
+            video_show=video_show,
+            picture=picture,
+            at=at,
+            log=log,
+            log_sensors=log_sensors,
+            say=say or (lambda line: None),
+            controllers=controllers,
+            each_tick=hooks.each_tick if hooks.wanted else None,
+        )
+    except FunctionError as error:
+        if error.result is None:
+            raise
+        from troupe.simulation import RunError  # noqa: PLC0415
+
+        raise RunError(str(error), error.result) from error.__cause__
     hooks.finish(done.result)
     if done.video_error is not None:
         warnings.warn(done.video_error, RuntimeWarning, stacklevel=2)

@@ -19,6 +19,7 @@ from player.header import HEADER, HEADER_SIZE
 from player.robot import Robot
 from sim.devices.device import Context, Device, Refused
 from sim.devices.switchboard import Port
+from sim.result import Result
 
 Controller = Callable[[Robot], None]
 Controllers = bool | Mapping[str, Controller | bool]
@@ -30,6 +31,7 @@ class FunctionError(Exception):
 
     def __init__(self, robot: str, tick: int, time: float, cause: BaseException) -> None:
         self.robot, self.tick = robot, tick
+        self.result: Result | None = None  # of the run until then
         super().__init__(
             f"the controller of {robot} raised at tick {tick} ({time:g} s): "
             f"{type(cause).__name__}: {cause}"

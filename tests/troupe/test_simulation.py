@@ -210,6 +210,9 @@ def test_a_function_that_raises_is_named_with_its_tick_and_the_result_is_kept() 
         assert e.value.result.ticks == 4
         with pytest.raises(RuntimeError, match="closed"):
             sim.step()
+    with pytest.raises(troupe.RunError, match=r"two raised at tick 4") as caught:
+        troupe.run(WORLD, controllers={"mine": fail})
+    assert caught.value.result.ticks == 4
 
 
 def test_a_function_can_finish() -> None:

@@ -40,17 +40,28 @@ def report(
     ] = None,
     higher: Annotated[
         list[str] | None,
-        typer.Option(metavar="COLUMN", help="Of this column more is better. Repeatable."),
+        typer.Option(
+            metavar="COLUMN",
+            help="Of this column more is better. Repeatable.",
+            show_default="of none",
+        ),
     ] = None,
     each: Annotated[
         list[str] | None,
-        typer.Option(metavar="MODULE:FUNCTION", help="A function of a result that adds columns."),
+        typer.Option(
+            metavar="MODULE:FUNCTION",
+            help="A function of a result that adds columns.",
+            show_default="none",
+        ),
     ] = None,
     title: Annotated[
         str | None, typer.Option(help="The page's title.", show_default="the folder's name")
     ] = None,
     pictures: Annotated[
-        bool, typer.Option(help="Run the best, the median and the worst again for a picture.")
+        bool,
+        typer.Option(
+            help="Run the best, the median and the worst again for a picture.", show_default=False
+        ),
     ] = True,
 ) -> None:
     """Make a report of a sweep: one file, which needs no network.
