@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from player import proxies
 from player.client import PlayerClient
 from player.codes import DeviceAddr
 from player.proxies import (
@@ -38,19 +39,8 @@ P = TypeVar("P", bound=Proxy)
 
 PROXIES: dict[int, type[Proxy]] = {
     int(kind.interface): kind
-    for kind in (
-        AioProxy,
-        BlobfinderProxy,
-        BumperProxy,
-        DioProxy,
-        FiducialProxy,
-        Graphics2dProxy,
-        LaserProxy,
-        Position2dProxy,
-        RangerProxy,
-        SimulationProxy,
-        SpeechProxy,
-    )
+    for kind in vars(proxies).values()
+    if isinstance(kind, type) and issubclass(kind, Proxy) and kind is not Proxy
 }
 """The proxies by interface code."""
 
