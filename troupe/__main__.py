@@ -19,8 +19,7 @@ def main() -> None:
     """Run the command line."""
     from troupe.streams import OutputLost, ReaderGone, prepare_streams  # noqa: PLC0415
 
-    # What is loaded lives to the end: to look through it for garbage again and again is an eighth
-    # of the time that a short run takes.
+    # What is loaded lives to the end: there is nothing to be found in it, again and again.
     gc.set_threshold(50_000, 10, 10)
     prepare_streams()
     from troupe.app import app  # noqa: PLC0415
