@@ -10,10 +10,10 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
-from sim.stage.batch import BodyTable, ContactTable
+from sim.stage.body_tables import BodyTable, ContactTable
 from sim.stage.chipmunk import address, pointer
-from sim.stage.clearance import Clearance
 from sim.stage.contacts import Touches
+from sim.stage.distance_field import DistanceField
 from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
@@ -160,7 +160,7 @@ class Physics:
         movers: NDArray[Any],
         first: int,
         order: NDArray[np.int64],
-        clearance: Clearance,
+        field: DistanceField,
         interval: float,
         steps: int,
         traced: NDArray[np.int64],
@@ -175,7 +175,7 @@ class Physics:
         table = self.table
         place, pairs, points, ends, notes = run_steps(
             self._machine, table.state, table.orders, movers, first, len(movers), order,
-            clearance.cells, clearance.cell, self.outlines, self.sides, interval, steps, place,
+            field.cells, field.cell, self.outlines, self.sides, interval, steps, place,
             traced, *seen,
         )  # fmt: skip
         if len(pairs):

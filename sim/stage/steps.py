@@ -16,10 +16,10 @@ from sim.stage.chipmunk import (
     step_space,
     words_at,
 )
-from sim.stage.closing import pieces
 from sim.stage.compiled import compiled
 from sim.stage.limits import DEEPEST
-from sim.stage.meeting import look_around
+from sim.stage.may_touch import count_calm_ticks
+from sim.stage.substeps import count_substeps
 
 CALLS = (
     "cpSpaceStep",
@@ -35,7 +35,7 @@ STEP, EACH_BODY, EACH_ARBITER, SET_ITERATIONS, READ_BODY, WRITE_BODY, READ_ARBIT
 SPACE, READ_DATA, READ_BUFFER, WRITE_DATA, WRITE_BUFFER, TOUCH_DATA, TOUCH_WORDS, TOUCH_FLOATS = (
     range(7, 15)
 )
-"""Then come the addresses of what they work on: see `batch`."""
+"""Then come the addresses of what they work on: see `body_tables`."""
 PARTS = 15
 """The length of `machine`."""
 
@@ -77,7 +77,7 @@ def run_steps(
 
     machine (PARTS,): addresses. state, orders (b, 6): the bodies' table. movers: `first` movable
     obstacles, then robots up to `count`. order (count,): the movers by x, kept from step to step.
-    cells, cell: the clearance of what stands. outlines (s, k, 2) with sides (s,): the movers'
+    cells, cell: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
     traced (k,): the movers whose poses are noted.
 
@@ -88,7 +88,7 @@ def run_steps(
 
     Returns the place; the touching pairs (t, 3) and their points (t, 2, 2, 2) as `ContactTable`
     has them; the row (s,) at which each step's contacts end; and the notes (m, k, 3) of x, y and
-    yaw, at the beginning of the tick and after every piece.
+    yaw, at the beginning of the tick and after every substep.
     """
     pairs = np.empty((0, 3), dtype=np.uintp)
     points = np.empty((0, 2, 2, 2))
@@ -99,7 +99,7 @@ def run_steps(
     dt = interval / steps
     space = machine[SPACE]
     if fastest < 0.0:
-        changes, fastest = look_around(state, movers, count, order, cells, cell, interval)
+        changes, fastest = count_calm_ticks(state, movers, count, order, cells, cell, interval)
         if changes > 0:
             return (0, fastest, False), pairs, points, ends, notes
     if step == 0 and not led and len(traced) > 0:
@@ -110,26 +110,26 @@ def run_steps(
     while step < steps:
         if not led:
             drive.want(state, movers, count, dt)
-        cuts, rounds, quickest = pieces(
+        cuts, rounds, quickest = count_substeps(
             state, movers, count, order, cells, cell, outlines, sides, dt
         )
         # Thrown by something that turns, so that it could meet who was not looked at.
         if not led and (quickest - fastest) * interval > DEEPEST:
-            changes, fastest = look_around(state, movers, count, order, cells, cell, interval)
+            changes, fastest = count_calm_ticks(state, movers, count, order, cells, cell, interval)
             if changes > 0:
                 led = True
                 break
-            cuts, rounds, quickest = pieces(
+            cuts, rounds, quickest = count_substeps(
                 state, movers, count, order, cells, cell, outlines, sides, dt
             )
         led = False
-        piece = dt / max(1, cuts)
-        drive.lead(state, orders, movers, count, dt, piece)
+        substep = dt / max(1, cuts)
+        drive.lead(state, orders, movers, count, dt, substep)
         ints_at(machine[WRITE_BUFFER])[0] = 0
         for_each(machine[EACH_BODY], space, machine[WRITE_BODY], machine[WRITE_DATA])
         set_iterations(machine[SET_ITERATIONS], space, np.int32(rounds))
         for _ in range(max(1, cuts)):
-            step_space(machine[STEP], space, piece)
+            step_space(machine[STEP], space, substep)
             if len(traced) > 0:
                 ints_at(machine[READ_BUFFER])[0] = 0
                 for_each(machine[EACH_BODY], space, machine[READ_BODY], machine[READ_DATA])

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import ceil, radians
 from typing import Any
 
-from sim.stage.limits import DEEPEST, MOST_PIECES, MOST_PUSH, MOST_RATIO
+from sim.stage.limits import DEEPEST, MOST_PUSH, MOST_RATIO, MOST_SUBSTEPS
 from sim.worldfile.mistakes import Mistake
 from sim.worldfile.schema import Drive, World
 
@@ -94,7 +94,7 @@ def physics_mistakes(world: World) -> list[Mistake]:
         if body.shape != "circle":
             lever, width = reach(body), least_width(outline(body))
         speed = drive.max_speed + radians(drive.max_turn_rate) * lever
-        step = MOST_PIECES * min(DEEPEST, width / 2.0) / (2.0 * speed)
+        step = MOST_SUBSTEPS * min(DEEPEST, width / 2.0) / (2.0 * speed)
         if step < longest:
             longest, fastest = step, f"{where[1]} at {speed:.6g} m/s"
     if clock.physics_step > longest:
