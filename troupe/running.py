@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sim.log.recorder import Recorder
     from sim.result import Result
     from sim.worldfile import LoadedWorld
-    from troupe.live.opening import View
+    from troupe.live.opening import LiveView
     from troupe.world import World
 
 EachTick = Callable[["Engine"], None]
@@ -71,7 +71,7 @@ def run_file(
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     interrupts: Interrupts | None = None,
-    view: Callable[[bool], View] | None = None,
+    view: Callable[[bool], LiveView] | None = None,
 ) -> Run:
     """Run a world file; see `troupe.run`.
 

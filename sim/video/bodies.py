@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim.video.ground import soften
 from sim.video.palette import GROUND, INK, TINTS, bgr, contrast_ink, mix, tint
 from sim.video.projection import SHIFT, Projection, to_fixed
-from sim.video.view import Shape
+from sim.video.snapshot import Shape
 
 SMALLEST_RADIUS = 2.5
 """Pixels: smaller bodies are drawn larger, or they would vanish in a big world."""

@@ -16,7 +16,7 @@ from watching import Viewer, watched
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import troupe
-from sim.view.frames import STATUS
+from sim.live.frames import STATUS
 from tests.patience import PATIENCE
 from troupe.live.entrance import answer, known_host
 from troupe.view_option import told_apart
