@@ -6,13 +6,13 @@ import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from sim.log.batch import Batches
 from sim.log.blocks import Block
 from sim.log.container import LogFile
 from sim.log.errors import LogError
 from sim.log.floor import FloorMirror
 from sim.log.moment import Event, Floor, TickState
 from sim.log.scene import paint_event
+from sim.log.tick_blocks import Batches
 
 FORMAT = 1
 """Of what a log holds: a reader refuses later ones."""
