@@ -18,6 +18,7 @@ from time import monotonic, perf_counter
 import numpy as np
 
 from player.server import Server
+from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.entry import Entry
@@ -35,7 +36,6 @@ from sim.scenery import Scenery
 from sim.sensing import Sensing
 from sim.spray import Spraying, close
 from sim.stage.doors import Doors
-from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""

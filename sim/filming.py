@@ -17,10 +17,10 @@ from sim.video.layers import Layer, layers_of
 from sim.video.snapshot import MOST_SCANS, Backdrop, Drawing, Scan, Shape, Sighting, Snapshot
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.engine import Engine
     from sim.video.recorder import Recorder
     from sim.video.still import Still
-    from sim.worldfile import LoadedWorld
 
 ENDED = frozenset({"finished", "failed", "hung", "lost"})
 """States of a controller that drives nobody any more."""

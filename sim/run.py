@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from sim.build import LoadedWorld
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers
 from sim.interrupts import Interrupts
 from sim.result import Result
-from sim.worldfile import LoadedWorld
 
 if TYPE_CHECKING:
     from sim.filming import Film

@@ -12,12 +12,12 @@ from sensors.odometry import Odometry
 from sensors.scene import Scene
 from sensors.suite import Suite
 from sensors.view import Contacts
+from sim.build import LoadedWorld
 from sim.robot import Robot
 from sim.stage.floor import FloorPaint
 from sim.stage.geometry import outline
 from sim.stage.layout import Layout
 from sim.stage.stage import Stage
-from sim.worldfile import LoadedWorld
 from sim.worldfile.schema import Model
 
 Floats = NDArray[np.float64]

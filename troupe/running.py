@@ -17,11 +17,11 @@ from troupe.interrupts import last_act
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.engine import Engine, Settings
     from sim.fleet.functions import Controllers
     from sim.log.recorder import Recorder
     from sim.result import Result
-    from sim.worldfile import LoadedWorld
     from troupe.live.opening import LiveView
     from troupe.world import World
 

@@ -34,9 +34,9 @@ from troupe.usage import UsageError
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.result import Outcome, Result
     from sim.video.snapshot import Snapshot
-    from sim.worldfile import LoadedWorld
 
 Floats = NDArray[np.float64]
 Robots = int | str | Iterable[int | str] | None

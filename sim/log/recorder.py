@@ -22,10 +22,10 @@ from sim.strictjson import dumps
 
 if TYPE_CHECKING:
     from sensors.suite import Group
+    from sim.build import LoadedWorld
     from sim.engine import Engine
     from sim.result import Result, RobotRecord
     from sim.robot import Robot
-    from sim.worldfile import LoadedWorld
 
 ALL = "all"
 NOUNS = {"scan": "scan", "intensities": "scan", "elements": "range", "blobs": "blobs"}

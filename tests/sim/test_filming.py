@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import troupe
+from sim.build import load
 from sim.engine import Settings
 from sim.filming import Film, backdrop_of, shown
 from sim.run import run_world
@@ -19,7 +20,6 @@ from sim.stage.raster import Raster
 from sim.video.errors import VideoError
 from sim.video.layers import LAYERS, SHOWN, parse_layers
 from sim.video.recorder import FPS, SPEED
-from sim.worldfile import load
 from sim.worldfile.mistakes import WorldError
 from sim.worldfile.schema import Video
 

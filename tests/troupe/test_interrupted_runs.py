@@ -52,7 +52,7 @@ def frames(video: Path) -> int:
         "sim.fleet.fleet:Fleet.__init__:after",
         "troupe.warm:warm_once",
         "sim.worldfile:load",
-        "sim.worldfile.loading:LoadedWorld",
+        "sim.build:LoadedWorld",
     ],
 )
 def test_before_there_is_anything_to_lose_the_command_ends_at_once(

@@ -1,19 +1,19 @@
-"""Loads a world file: reads, checks and expands it, and tells all that is wrong at once."""
+"""Reads, checks and expands a world file: what it says so far as it holds, and all that is wrong.
+
+Nothing is built here: what only shows once bodies stand in a world is added by who builds it
+(`sim.build`), so that all mistakes are told at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 from sim.worldfile import nodes
-from sim.worldfile.crowds import crowd_mistakes
 from sim.worldfile.data import node_of
-from sim.worldfile.extents import period_mistakes, physics_mistakes, port_mistakes, size_mistakes
+from sim.worldfile.extents import period_mistakes, port_mistakes
 from sim.worldfile.files import FileSet, folder_of, rebased
 from sim.worldfile.mistakes import Mistake, WorldError, suggestion
 from sim.worldfile.nodes import MappingNode, ScalarNode
@@ -24,45 +24,40 @@ from sim.worldfile.schema import World
 from sim.worldfile.sensing import with_settings
 from sim.worldfile.settings import Refused, with_setting
 
-if TYPE_CHECKING:
-    from sim.stage.layout import Layout
-
 
 @dataclass(frozen=True)
-class LoadedWorld:
-    """A world that holds: its values, what stands in it, and its robots one by one.
+class CheckedWorld:
+    """A world as its file says it, with the place of every value, and what is wrong with it.
 
-    `folder` is where relative names of maps and programs start. Random placement needs a
-    seed, and is `place`.
+    `folder` is where relative names of maps and programs start.
     """
 
-    world: World
     path: Path
     folder: Path
-    layout: Layout
+    root: MappingNode  # the file as read, settings laid upon it, with the place of every value
+    world: World | None  # so far as it holds; None where there is too little to build anything of
     robots: tuple[RobotSpec, ...]
-    start: NDArray[np.float64]  # (n, 3): the poses with the world's own seed
-    root: MappingNode  # the file as read, with the place of every key and value
+    mistakes: tuple[Mistake, ...]
+    written: MappingNode  # the file as read, without settings
+    files: tuple[str, ...]  # as shown, in the order of reading
+    salvaged: Salvaged
 
-    def place(self, seed: int) -> NDArray[np.float64]:
-        """Where the robots start, (n, 3): x, y in m and yaw in radians.
+    def error(self, more: Iterable[Mistake] = ()) -> WorldError | None:
+        """All that is wrong, in the file's order; None if nothing is.
 
-        Raises WorldError, with places in the file, where they do not fit.
+        `more` has been found besides, at places in `world`, whose lists may be shorter than the
+        file's.
         """
-        from sim.stage.placement import place  # noqa: PLC0415
-
-        if seed == self.world.seed:
-            return self.start.copy()
-        try:
-            return place(self.layout, self.robots, self.world.models, seed)
-        except WorldError as error:
-            raise WorldError(located(error.mistakes, self.root)) from None
+        placed = [replace(one, where=_in_list(self.salvaged, one.where)) for one in more]
+        meant = [_meant(one, self.written) for one in located(placed, self.root)]
+        mistakes = [*self.mistakes, *meant]
+        return WorldError(in_order(mistakes, self.files)) if mistakes else None
 
 
-def load(path: str | Path, *, settings: Sequence[str] = ()) -> LoadedWorld:
-    """Loads a world file, with `--set` texts such as `models.a.drive.max_speed=0.3` laid upon it.
+def check_file(path: str | Path, settings: Sequence[str] = ()) -> CheckedWorld:
+    """Checks a world file, with `--set` texts such as `models.a.drive.max_speed=0.3` laid upon it.
 
-    Raises WorldError with every mistake that was found, in the file's order.
+    Raises WorldError where there is no file that can be read.
     """
     path = Path(path)
     files = FileSet()
@@ -72,13 +67,13 @@ def load(path: str | Path, *, settings: Sequence[str] = ()) -> LoadedWorld:
     return _with_settings(root, path, settings, files)
 
 
-def load_data(
-    data: Mapping[str, Any], *, settings: Sequence[str] = (), folder: str | Path = "."
-) -> LoadedWorld:
-    """Loads a world that is given as Python data, with the strictness of a file.
+def check_data(
+    data: Mapping[str, Any], settings: Sequence[str] = (), folder: str | Path = "."
+) -> CheckedWorld:
+    """Checks a world that is given as Python data, with the strictness of a file.
 
-    `folder` is where relative names of maps and programs start. Raises WorldError with every
-    mistake that was found, each with its path in the data.
+    `folder` is where relative names of maps and programs start. The place of a mistake is its path
+    in the data. Raises WorldError where the data are no world at all.
     """
     mistakes: list[Mistake] = []
     root = node_of(data, mistakes)
@@ -92,8 +87,8 @@ def load_data(
 
 def _with_settings(
     root: MappingNode, path: Path, settings: Sequence[str], files: FileSet
-) -> LoadedWorld:
-    """The world of a tree with settings laid upon it; raises WorldError."""
+) -> CheckedWorld:
+    """The world of a tree with settings laid upon it."""
     mistakes = files.mistakes
     written = root
     for setting in settings:
@@ -101,89 +96,44 @@ def _with_settings(
             root = with_setting(root, setting)
         except Refused as error:
             mistakes += error.mistakes
-    loaded, found = _checked(root, path, complete=files.complete)
-    mistakes += [_meant(mistake, written) for mistake in located(found, root)]
-    if mistakes or loaded is None:
-        raise WorldError(in_order(mistakes, files.names))
-    return loaded
+    folder = folder_of(path)
+    found, world, robots, wrong = _checked(root, folder, complete=files.complete)
+    mistakes += [_meant(mistake, written) for mistake in located(wrong, root)]
+    return CheckedWorld(
+        path, folder, root, world, robots, tuple(mistakes), written, tuple(files.names), found
+    )
 
 
 def _checked(
-    root: MappingNode, path: Path, *, complete: bool
-) -> tuple[LoadedWorld | None, list[Mistake]]:
-    """The world of a read file, or None, and what is wrong with it.
+    root: MappingNode, folder: Path, *, complete: bool
+) -> tuple[Salvaged, World | None, tuple[RobotSpec, ...], list[Mistake]]:
+    """What is left of a read file, the world to build, or None, its robots, and what is wrong.
 
     Where a file that it includes could not be read (`complete` is false), what is missing may
     stand there: then only what does stand in the others is looked at.
     """
-    folder = folder_of(path)
     data = rebased(nodes.plain(root), root, folder)
     ready, mistakes, wrong = with_settings(data, folder)
     found = salvage(ready, mistakes, wrong)
-    if not complete:
-        return None, [one for one in found.mistakes if nodes.at(root, one.where) is not None]
     world, mistakes = found.world, found.mistakes
+    if not complete:
+        there = [one for one in mistakes if nodes.at(root, one.where) is not None]
+        return found, None, (), there
     if world is None:
-        return None, mistakes
+        return found, None, (), mistakes
     mistakes += reference_mistakes(data, found, folder)
     entries = [(found.index(("robots",), i), one) for i, one in enumerate(world.robots)]
     doors = [(found.index(("doors",), i), one) for i, one in enumerate(world.doors)]
     crowd = number_mistakes(entries)
     if crowd:
-        return None, mistakes + crowd
+        return found, None, (), mistakes + crowd
     robots = tuple(expanded(entries))
     mistakes += name_mistakes(robots, doors)
     mistakes += port_mistakes(world, len(robots))
     if not found.lost("clock"):
-        late = period_mistakes(world) + physics_mistakes(world)
+        late = period_mistakes(world)
         mistakes += [replace(one, where=_in_list(found, one.where)) for one in late]
-    if found.lost("map"):
-        return None, mistakes
-    if found.lost("size"):
-        return None, mistakes + _map_mistakes(world, folder)
-    layout, start, more = _laid_out(world, folder, robots)
-    mistakes += [replace(one, where=_in_list(found, one.where)) for one in more]
-    if layout is None or start is None:
-        return None, mistakes
-    return LoadedWorld(world, path, folder, layout, robots, start, root), mistakes
-
-
-def _map_mistakes(world: World, folder: Path) -> list[Mistake]:
-    """What is wrong with the map, and with doors in it, whatever the world's size may be."""
-    from sim.stage.layout import build_layout  # noqa: PLC0415
-
-    if world.map is not None:
-        try:
-            build_layout(world.model_copy(update={"size": None}), folder)
-        except WorldError as error:
-            return error.mistakes
-    return []
-
-
-def _laid_out(
-    world: World, folder: Path, robots: Sequence[RobotSpec]
-) -> tuple[Layout | None, NDArray[np.float64] | None, list[Mistake]]:
-    """The layout and the robots' places in it, each or None, and what is wrong with them."""
-    from sim.stage.layout import build_layout  # noqa: PLC0415
-    from sim.stage.placement import check_start, place  # noqa: PLC0415
-
-    try:
-        layout = build_layout(world, folder)
-    except WorldError as error:
-        return None, None, error.mistakes
-    mistakes = size_mistakes(world, layout.size)
-    known = [robot for robot in robots if robot.model in world.models]
-    mistakes += check_start(layout, known, world.models)
-    poses = [robot.pose for robot in known if robot.pose is not None]
-    if len(poses) == len(known):
-        return layout, np.array(poses, dtype=np.float64).reshape(-1, 3), mistakes
-    crowded = crowd_mistakes(known, world.models, layout.size)
-    if crowded or any(one.where == ("region",) for one in mistakes):
-        return layout, None, mistakes + crowded
-    try:
-        return layout, place(layout, known, world.models, world.seed), mistakes
-    except WorldError as error:
-        return layout, None, mistakes + error.mistakes
+    return found, world, robots, mistakes
 
 
 def _meant(mistake: Mistake, written: MappingNode) -> Mistake:
