@@ -77,7 +77,7 @@ def build(checked: CheckedWorld) -> LoadedWorld:
     with what is misspelt.
     """
     world, layout, start, mistakes = checked.world, None, None, list[Mistake]()
-    lost = checked.salvaged.lost
+    lost = checked.valid_part.lost
     if world is not None:
         if not lost("clock"):
             mistakes += physics_mistakes(world)

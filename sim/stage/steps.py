@@ -72,7 +72,7 @@ def run_steps(
     shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
     traced (k,): the movers whose poses are noted.
 
-    place: the step to go on with, how fast (m/s) the fastest may be that was reckoned with when
+    place: the step to go on with, how fast (m/s) the fastest may be that was assumed when
     joints were given (negative: look around first), and whether the drives have taken this step
     in already. Where robots must get or lose their joints in mid-tick the loop returns, to be
     called again with the place that it returns; at the end that is behind the last step.
