@@ -43,7 +43,7 @@ class Switchboard:
     def __init__(self, context: Context, say: Callable[[str], None]) -> None:
         self.context = context
         self.say = say
-        self.complained: dict[Connection, set[Robot]] = {}  # of messages to whom people know
+        self.complained: dict[Connection, set[Robot]] = {}  # people have been told, of these robots
         self.ports: dict[int, Port] = {}  # by the identity of the directory
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
