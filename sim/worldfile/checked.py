@@ -21,7 +21,7 @@ from sim.worldfile.references import reference_mistakes
 from sim.worldfile.robots import RobotSpec, expanded, name_mistakes, number_mistakes
 from sim.worldfile.schema import World
 from sim.worldfile.sensing import with_settings
-from sim.worldfile.settings import Refused, with_setting
+from sim.worldfile.settings import BadSetting, with_setting
 from sim.worldfile.valid_part import ValidPart, valid_part
 
 
@@ -94,7 +94,7 @@ def _with_settings(
     for setting in settings:
         try:
             root = with_setting(root, setting)
-        except Refused as error:
+        except BadSetting as error:
             mistakes += error.mistakes
     folder = folder_of(path)
     found, world, robots, wrong = _checked(root, folder, complete=files.complete)
