@@ -18,6 +18,7 @@ from time import monotonic, perf_counter
 import numpy as np
 
 from player.server import Server
+from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.entry import Entry
@@ -35,7 +36,6 @@ from sim.scenery import Scenery
 from sim.sensing import Sensing
 from sim.spray import Spraying, close
 from sim.stage.doors import Doors
-from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
@@ -322,7 +322,7 @@ class Engine:
             return "completed"
         over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
-        entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
+        entered = self.fleet.lost or self.doors_done()  # nobody else can be started, or has to be
         done = not waits_for_time and not self.drivers.running and entered
         if not over and not done:
             return None

@@ -109,9 +109,9 @@ def compile_all() -> None:
 
 def sense_and_move() -> None:
     """Two ticks of a small world in which everything is sensed and every drive and sprayer on."""
+    from sim.build import load
     from sim.engine import Engine, Settings
     from sim.fleet.fleet import Fleet
-    from sim.worldfile import load
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "everything.yaml"

@@ -176,7 +176,7 @@ class Simulation:
 
     def paint(self, target: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
-        self.context.scenery.repaint(target, color)
+        self.context.scenery.set_color(target, color)
         target.record.properties["color"] = f"#{color:06x}"
 
 

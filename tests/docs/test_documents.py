@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import troupe
-from sim.worldfile import load
+from sim.build import load
 from tests.patience import PATIENCE
 from tests.processes import ROOT, environment, troupe_command
 

@@ -13,10 +13,10 @@ from urllib.parse import urlsplit
 from websockets.sync.client import ClientConnection, connect
 
 from sim.interrupts import Interrupts
+from sim.live.frames import Message, decode
 from sim.result import Result
-from sim.view.frames import Message, decode
 from tests.patience import PATIENCE
-from troupe.live.opening import View
+from troupe.live.opening import LiveView
 from troupe.running import Run, run_file
 
 STILL = """\
@@ -51,7 +51,7 @@ class Watched:
 
     def __init__(self, world: str | Path, **options: Any) -> None:
         self.lines: list[str] = []
-        self.view: View | None = None
+        self.view: LiveView | None = None
         self.done: Run | BaseException | None = None
         self.there = threading.Event()
         self.interrupts = Interrupts()
@@ -59,8 +59,8 @@ class Watched:
         stays = options.pop("stays", False)
         read_only = options.pop("read_only", False)
 
-        def window(again: bool) -> View:
-            view = View(
+        def window(again: bool) -> LiveView:
+            view = LiveView(
                 browser=False, paused=paused, stays=stays, read_only=read_only, again=again,
                 say=self.lines.append, warn=self.lines.append,
             )  # fmt: skip

@@ -10,8 +10,8 @@ from typing import Any
 from troupe.importers.stage import values
 from troupe.importers.stage.bitmap import outline, read_plan
 from troupe.importers.stage.footprint import footprint
-from troupe.importers.stage.geometry import Polygon, area
 from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.polygons import Polygon, area
 from troupe.importers.stage.sensing import SENSORS, Sensor, sensors_of
 from troupe.importers.stage.syntax import Entity
 from troupe.importers.stage.things import Thing

@@ -1,4 +1,4 @@
-"""How finely a step must be cut so that bodies which meet in it do not overlap by much.
+"""Into how many substeps a step is cut, so that bodies which meet in it overlap by little.
 
 Chipmunk sees a contact only when bodies overlap already, and by then they may have moved into
 one another by their closing speed times the step. So before each step of physics the pairs
@@ -8,7 +8,7 @@ Its solver goes from contact to contact, and in a round a light body hands on on
 push as it could have made itself. What holds a heavy body against a light one against a wall is
 found in about as many rounds as the one is heavier than the other; what presses meanwhile gains way
 with the square of the step. So unequal masses and strong drives ask for more rounds and shorter
-pieces.
+substeps.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ import math
 from typing import Any
 
 from sim.stage.compiled import compiled
-from sim.stage.limits import DEEPEST, MOST_PIECES, MOST_RATIO
+from sim.stage.distance_field import clear_of
+from sim.stage.limits import DEEPEST, MOST_RATIO, MOST_SUBSTEPS
 
 GIVE = 0.005
 """m that a drive's force may press bodies into one another before the solver holds against it."""
 ROUNDS = 15
 """Rounds of the solver where bodies of equal mass may meet; one does where none can."""
 EVEN = 15.0
-"""Ratio of masses up to which ROUNDS are enough. Beyond it rounds go up with the ratio, and pieces
-with its root: together with the speed of closing this kept overlaps below 0.01 m in 30 crowds of
-robots of all shapes with masses from 1 to 1000 and drives of 100 m/s2."""
+"""Ratio of masses up to which ROUNDS are enough. Beyond it rounds go up with the ratio, and
+substeps with its root: together with the speed of closing this kept overlaps below 0.01 m in 30
+crowds of robots of all shapes with masses from 1 to 1000 and drives of 100 m/s2."""
 
 
 @compiled
@@ -53,16 +54,6 @@ def sort_by_x(order: Any, state: Any, movers: Any, count: int) -> None:
             order[j + 1] = order[j]
             j -= 1
         order[j + 1] = k
-
-
-@compiled
-def clear_of(cells: Any, cell: float, x: float, y: float) -> float:
-    """A lower bound of the distance in metres from a place to what stands."""
-    row, column = math.floor(y / cell), math.floor(x / cell)
-    if 0 <= row < cells.shape[0] and 0 <= column < cells.shape[1]:
-        # Two cells less: the place and the outline may be anywhere in their cells.
-        return float(max(0.0, (cells[row, column] - 2.0) * cell))
-    return 0.0
 
 
 @compiled
@@ -111,7 +102,7 @@ def _gap(state: Any, mover: Any, other: Any, outlines: Any, sides: Any) -> float
 
 
 @compiled
-def pieces(
+def count_substeps(
     state: Any,
     movers: Any,
     count: int,
@@ -122,13 +113,13 @@ def pieces(
     sides: Any,
     dt: float,
 ) -> tuple[int, int, float]:
-    """Into how many pieces to cut a step of `dt`; 0 where no two bodies can meet in it.
+    """Into how many substeps to cut a step of `dt`; 0 where no two bodies can meet in it.
 
     Besides how many rounds the solver shall make in each, and how fast (m/s) the fastest of those
     looked at is.
 
     state (b, 6): the bodies' table. order (count,): the movers by x, kept from step to step.
-    cells, cell: the clearance of what stands. outlines (s, k, 2) with sides (s,): the movers'
+    cells, cell: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes in their own frames, no sides for a circle.
 
     Only robots that follow a leader and passive bodies are looked at: no other can meet anything
@@ -192,4 +183,4 @@ def pieces(
             rounds = max(rounds, ratio / 4.0)
             needed = max(needed, 3.0 * math.sqrt(ratio / EVEN))
         needed = max(needed, dt * math.sqrt(strongest / lightest / rounds / GIVE))
-    return min(MOST_PIECES, max(1, math.ceil(needed))), math.ceil(rounds), quickest
+    return min(MOST_SUBSTEPS, max(1, math.ceil(needed))), math.ceil(rounds), quickest

@@ -1,4 +1,4 @@
-"""Free room in a world: what stands there already, and whether one more body fits."""
+"""Whether one more body fits: what stands in a world already, and the space that is free."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ROUNDING = 1e-7
 """m by which sums of coordinates and margins may miss: places that just fit do fit."""
 
 
-class Room:
+class FreeSpace:
     """Convex outlines that stand in a layout, with their bounds in arrays for a quick look.
 
     Solids are there from the start, and movable obstacles and doors' cells unless told

@@ -1,4 +1,4 @@
-"""What one moment shows, as plain arrays: the still backdrop and the view of one moment."""
+"""What one moment shows, as plain arrays: the still backdrop and the snapshot of one moment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DrawingKind = Literal["points", "polyline", "multiline", "polygon"]
 
 
 MOST_SCANS = 32
-"""Fans in one frame, the first ones of a view: more would hide each other and the robots."""
+"""Fans in one frame, the first ones of a snapshot: more would hide each other and the robots."""
 
 
 class Scan(NamedTuple):
@@ -76,7 +76,7 @@ class Backdrop:
 
 
 @dataclass
-class FrameView:
+class Snapshot:
     """One moment of a run: it follows from the world and the seed alone.
 
     Arrays are read at once and never kept or changed.

@@ -7,7 +7,7 @@ import math
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from troupe.importers.stage.geometry import area, convex_pieces, cross, hull, is_convex
+from troupe.importers.stage.polygons import area, convex_pieces, cross, hull, is_convex
 
 POINTS = st.tuples(st.integers(-20, 20), st.integers(-20, 20)).map(lambda p: (p[0] / 2, p[1] / 2))
 

@@ -27,7 +27,7 @@ _LISTS_OF_PARTS = frozenset({"robots", "doors", "obstacles", "sensors", "actuato
 
 
 @dataclass
-class Salvaged:
+class ValidPart:
     """What is left of a world, and what was taken out of it."""
 
     world: World | None
@@ -38,7 +38,7 @@ class Salvaged:
     kept: dict[Path, list[int]] = field(default_factory=dict)  # list -> indices that are left
 
     def index(self, where: Path, position: int) -> int:
-        """The index in the file of what stands at `position` in the salvaged list."""
+        """The index in the file of what stands at `position` in the list that is left."""
         return self.kept[where][position] if where in self.kept else position
 
     def lost(self, *where: str | int) -> bool:
@@ -46,9 +46,9 @@ class Salvaged:
         return any(path[: len(where)] == where for path in self.removed)
 
 
-def salvage(data: Mapping[str, Any], mistakes: list[Mistake], removed: set[Path]) -> Salvaged:
+def valid_part(data: Mapping[str, Any], mistakes: list[Mistake], removed: set[Path]) -> ValidPart:
     """Validates a world without what was already found to be wrong (`removed`)."""
-    found = Salvaged(None, list(mistakes), set(removed))
+    found = ValidPart(None, list(mistakes), set(removed))
     unknown: set[Path] = set()
     told: set[tuple[Path, str]] = set()
     guessed: dict[Path, str] = {}  # bodies of a shape that there is not

@@ -41,8 +41,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.live.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
 from sim.strictjson import plain
-from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
 
 MAGIC = 0x31505254
 SCENE, MOMENT = 1, 2
@@ -78,7 +78,7 @@ def encode_scene(scene: Scene) -> bytes:
 
 
 def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> bytes:
-    """A moment for a viewer that has been `told` so much, which is brought up to date."""
+    """A moment for a viewer that knows what `told` says; `told` is brought up to date."""
     sections: list[tuple[int, bytes]] = []
     count = len(moment.poses)
     if told.robots < count:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.closing import clear_of, sort_by_x
 from sim.stage.compiled import compiled
+from sim.stage.distance_field import clear_of
+from sim.stage.substeps import sort_by_x
 
 CALM = 20
 """Ticks that a robot must have been far from everything before its joints are taken away: to
@@ -18,7 +19,7 @@ attach and detach them costs more than to keep them for a while."""
 
 
 @compiled
-def look_around(
+def count_calm_ticks(
     state: Any, movers: Any, count: int, order: Any, cells: Any, cell: float, interval: float
 ) -> tuple[int, float]:
     """Count for each mover the ticks since it last could meet anything (`calm`, 0 for now).

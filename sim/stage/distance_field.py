@@ -20,7 +20,7 @@ FARTHEST = 255
 
 
 @dataclass(frozen=True)
-class Clearance:
+class DistanceField:
     """Lower bounds of the distance to the nearest outline of a solid.
 
     cells (rows, columns) uint8, row 0 at y = 0: chessboard distance in cells, which is never
@@ -31,7 +31,7 @@ class Clearance:
     cell: float
 
 
-def clearance_of(layout: Layout) -> Clearance:
+def distance_field(layout: Layout) -> DistanceField:
     """The distance field of a layout's solids over its size."""
     width, height = layout.size
     cell = max(FINEST, math.sqrt(width * height / MOST_CELLS), max(width, height) / MOST_CELLS)
@@ -45,7 +45,17 @@ def clearance_of(layout: Layout) -> Clearance:
             outline += (x, y)
         _mark(cells, cell, outline)
     _spread(cells)
-    return Clearance(cells, cell)
+    return DistanceField(cells, cell)
+
+
+@compiled
+def clear_of(cells: Any, cell: float, x: float, y: float) -> float:
+    """A lower bound of the distance in metres from a place to what stands."""
+    row, column = math.floor(y / cell), math.floor(x / cell)
+    if 0 <= row < cells.shape[0] and 0 <= column < cells.shape[1]:
+        # Two cells less: the place and the outline may be anywhere in their cells.
+        return float(max(0.0, (cells[row, column] - 2.0) * cell))
+    return 0.0
 
 
 def _mark(cells: NDArray[np.uint8], cell: float, vertices: Floats) -> None:

@@ -7,7 +7,7 @@ import unicodedata
 
 import pytest
 
-from sim.printable import printable, printable_lines
+from player.printable import printable, printable_lines
 from sim.worldfile.mistakes import Mistake, WorldError
 
 

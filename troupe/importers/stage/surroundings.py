@@ -10,8 +10,8 @@ from typing import Any
 from troupe.importers.stage import values
 from troupe.importers.stage.bitmap import Plan, read_plan
 from troupe.importers.stage.footprint import Footprint, footprint
-from troupe.importers.stage.geometry import Polygon, area, bounds, cross
 from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.polygons import Polygon, area, bounds, cross
 from troupe.importers.stage.things import Thing
 from troupe.importers.stage.tokens import Place
 from troupe.importers.stage.values import Pose
@@ -66,7 +66,7 @@ class Standing:
 
 
 @dataclass
-class Scenery:
+class Surroundings:
     """The still part of a world file; `corner` is our origin in Stage's world."""
 
     corner: tuple[float, float]
@@ -134,7 +134,9 @@ def _within(point: tuple[float, float], outline: Polygon) -> bool:
     )
 
 
-def scenery_of(found: Sequence[Standing], robots: Sequence[Thing], notes: Notes) -> Scenery:
+def surroundings_of(
+    found: Sequence[Standing], robots: Sequence[Thing], notes: Notes
+) -> Surroundings:
     """Where the world ends, and everything in it in our coordinates."""
     frame = _frame(found, robots)
     if frame is not None:
@@ -149,15 +151,15 @@ def scenery_of(found: Sequence[Standing], robots: Sequence[Thing], notes: Notes)
         low_x, low_y, high_x, high_y = (
             low_x - MARGIN, low_y - MARGIN, high_x + MARGIN, high_y + MARGIN,
         )  # fmt: skip
-    scenery = Scenery((low_x, low_y), (high_x - low_x, high_y - low_y), frame)
+    surroundings = Surroundings((low_x, low_y), (high_x - low_x, high_y - low_y), frame)
     for one in found:
         if one.plan is not None:
-            scenery.plans.append(one)
+            surroundings.plans.append(one)
         elif not one.hollow:
-            scenery.obstacles += _obstacles(one, scenery, notes)
+            surroundings.obstacles += _obstacles(one, surroundings, notes)
         if one is not frame and one.has_boundary:
-            scenery.obstacles += _walls(one, scenery)
-    return scenery
+            surroundings.obstacles += _walls(one, surroundings)
+    return surroundings
 
 
 def _frame(found: Sequence[Standing], robots: Sequence[Thing]) -> Standing | None:
@@ -181,9 +183,11 @@ def _is_box(one: Standing) -> bool:
     return len(one.drawn.pieces) == 1 and math.isclose(area(one.drawn.hull), area(one.corners))
 
 
-def _obstacles(one: Standing, scenery: Scenery, notes: Notes) -> list[tuple[dict[str, Any], Place]]:
+def _obstacles(
+    one: Standing, surroundings: Surroundings, notes: Notes
+) -> list[tuple[dict[str, Any], Place]]:
     assert one.drawn is not None
-    place, pose = one.thing.entity.place, scenery.place(one.pose)
+    place, pose = one.thing.entity.place, surroundings.place(one.pose)
     common: dict[str, Any] = {"pose": pose, "color": one.color, "height": one.height}
     if one.movable:
         common["movable"] = True
@@ -204,7 +208,7 @@ def _obstacles(one: Standing, scenery: Scenery, notes: Notes) -> list[tuple[dict
     ]
 
 
-def _walls(one: Standing, scenery: Scenery) -> list[tuple[dict[str, Any], Place]]:
+def _walls(one: Standing, surroundings: Surroundings) -> list[tuple[dict[str, Any], Place]]:
     """The outline as thin boxes."""
     ring = one.corners
     if one.hollow and one.drawn is not None:
@@ -215,7 +219,7 @@ def _walls(one: Standing, scenery: Scenery) -> list[tuple[dict[str, Any], Place]
         wall = {
             "shape": "box",
             "size": [math.dist((x1, y1), (x2, y2)), WALL],
-            "pose": scenery.place(middle),
+            "pose": surroundings.place(middle),
             "color": one.color,
             "height": one.height,
         }
