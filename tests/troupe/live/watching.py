@@ -13,8 +13,8 @@ from urllib.parse import urlsplit
 from websockets.sync.client import ClientConnection, connect
 
 from sim.interrupts import Interrupts
-from sim.live.frames import Message, decode
 from sim.result import Result
+from sim.view.frames import Message, decode
 from tests.patience import PATIENCE
 from troupe.live.opening import LiveView
 from troupe.running import Run, run_file

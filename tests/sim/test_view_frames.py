@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.live.frames import (
+from sim.view.frames import (
     COLORS,
     PAINT,
     ROBOTS,
@@ -23,7 +23,7 @@ from sim.live.frames import (
     encode_moment,
     encode_scene,
 )
-from sim.live.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
+from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
 from tests.patience import PATIENCE
 
 PAGE = Path(__file__).resolve().parents[2] / "troupe" / "live" / "page"

@@ -41,8 +41,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.live.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
 from sim.strictjson import plain
+from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
 
 MAGIC = 0x31505254
 SCENE, MOMENT = 1, 2
