@@ -1,4 +1,4 @@
-"""Draws a picture of each example into docs/pictures/examples: called by scripts/pictures."""
+"""Draws each example and each world of the gallery, for their pages: called by scripts/pictures."""
 
 from __future__ import annotations
 
@@ -33,32 +33,27 @@ WIDTH, HEIGHT = 360, 280
 
 
 def draw(example: Example, at: float) -> None:
-    """Run an example with seed 3 until that moment, and draw it."""
+    """Run an example until that moment, and draw it."""
+    name = f"examples/{example.name}"
+    world = example.folder / "world.yaml"
     if example.name == "05_keep_distance":
-        commands = runpy.run_path(str(example.folder / "keep_distance.py"))
-        drive = commands["keep_distance"]
-        picture(example, at, controllers=False, each_tick=drive, video_show=["trails"])
+        drive = runpy.run_path(str(example.folder / "keep_distance.py"))["keep_distance"]
+        picture(name, world, at, controllers=False, each_tick=drive, video_show=["trails"])
     elif example.name == "07_square":
         clients: list[subprocess.Popen[bytes]] = []
-        picture(example, at, set={"player.port": 0}, say=by_hand(example, clients))
+        picture(name, world, at, set={"player.port": 0}, say=by_hand(example, clients))
         for client in clients:
             client.wait()
     else:
-        picture(example, at)
+        picture(name, world, at)
 
 
-def picture(example: Example, at: float, **more: Any) -> None:
-    """Run the example's world until that moment, and draw it."""
-    target = ROOT / "docs" / "pictures" / "examples" / f"{example.name}.png"
+def picture(name: str, world: Path, at: float, **more: Any) -> None:
+    """Run a world with seed 3 until that moment, and draw it."""
+    target = ROOT / "docs" / "pictures" / f"{name}.png"
     target.parent.mkdir(exist_ok=True)
-    troupe.run(
-        example.folder / "world.yaml",
-        seed=3,
-        duration=at,
-        picture=target,
-        video_size=(WIDTH, HEIGHT),
-        **{"video_show": ["fans", "trails"], **more},
-    )
+    told = {"video_show": ["fans", "trails"], "seed": 3, "video_size": (WIDTH, HEIGHT), **more}
+    troupe.run(world, duration=at, at=at, picture=target, **told)
 
 
 def by_hand(example: Example, clients: list[subprocess.Popen[bytes]]) -> Callable[[str], None]:
@@ -79,3 +74,6 @@ def by_hand(example: Example, clients: list[subprocess.Popen[bytes]]) -> Callabl
 
 for one in examples():
     draw(one, MOMENTS[one.name])
+for stage in sorted((ROOT / "docs" / "gallery").glob("*.world")):
+    show = ["trails"] if stage.stem == "flock" else ["fans", "trails"]
+    picture(f"gallery/{stage.stem}", stage.with_suffix(".yaml"), 15.0, video_show=show)
