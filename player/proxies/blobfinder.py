@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-import struct
 from math import isfinite, tau
 from typing import Any, NamedTuple
 
+from player import layouts
 from player.codes import Interface
 from player.errors import PlayerRefused, PlayerTimeout, XdrError
 from player.proxies.base import Proxy, reading
 from player.table import Blob as WireBlob
 
-_HEAD = struct.Struct(">4I")
-_BLOB = struct.Struct(">9If")
+_BLOBS = layouts.data(Interface.BLOBFINDER)
 
 GET_DOUBLE_PROPERTY = 252
 """Player's request for a number that a driver knows by name."""
@@ -99,13 +98,11 @@ class BlobfinderProxy(Proxy):
         """BLOBS; see Proxy."""
         if subtype != 1:
             return
-        size = len(payload)
-        if size < 16 or (size - 16) % 40:
-            raise XdrError(f"{self.addr}: {size} bytes are no blobs")
-        self.width, self.height, n, again = _HEAD.unpack_from(payload)
-        if n != again or size != 16 + 40 * n:
-            raise XdrError(f"{self.addr}: {n} blobs do not fit {size} bytes")
-        self.blobs = blobs = list(map(Blob._make, _BLOB.iter_unpack(payload[16:])))
+        if _BLOBS.count(payload) is None:
+            raise XdrError(f"{self.addr}: {len(payload)} bytes are no blobs")
+        self.width, self.height, _, _ = _BLOBS.head.unpack_from(payload)
+        rows = _BLOBS.records.iter_unpack(payload[_BLOBS.head.size :])
+        self.blobs = blobs = list(map(Blob._make, rows))
         if blobs:
             image = Image(self, self.width)
             for blob in blobs:

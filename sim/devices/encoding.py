@@ -6,7 +6,6 @@ gets it.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -14,16 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from player import layouts
+from player.codes import Interface
 from sensors.readings import Blobs, Elements, Intensities, Scans
 from sensors.suite import Group
 
-STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
-BLOBS = struct.Struct(">IIII")
-BLOB = np.dtype(
-    [(name, ">u4") for name in ["id", "color", "area", "x", "y", "left", "right", "top", "bottom"]]
-    + [("range", ">f4")]
-)
-
+STATE = layouts.data(Interface.POSITION2D)
+SCAN = layouts.data(Interface.LASER)
+RANGES, INTENSITIES = layouts.data(Interface.RANGER, 1), layouts.data(Interface.RANGER, 3)
+SONAR = layouts.data(Interface.SONAR)
+BLOBS = layouts.data(Interface.BLOBFINDER)
 
 Encode = Callable[[Group], tuple[Sequence[int], bytes]]
 """Encodes a group's wanted rows: where each one's message ends, and all of them in a row."""
@@ -57,7 +56,8 @@ class StateEncoder:
     """The state messages of all robots, encoded together once per tick."""
 
     def __init__(self) -> None:
-        self.rows: NDArray[Any] = np.zeros(0, STATE)
+        self.rows = STATE.rows(0)
+        self.size = self.rows.itemsize
         self.data = b""
 
     def update(
@@ -68,15 +68,15 @@ class StateEncoder:
     ) -> None:
         """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
         if len(self.rows) != len(poses):
-            self.rows = np.zeros(len(poses), STATE)
-        self.rows["pose"] = poses
-        self.rows["velocity"] = velocities
+            self.rows = STATE.rows(len(poses))
+        self.rows["pos"] = poses
+        self.rows["vel"] = velocities
         self.rows["stall"] = stalls
         self.data = self.rows.tobytes()
 
     def payload(self, robot: int) -> bytes:
         """Robot's message."""
-        return self.data[robot * STATE.itemsize : (robot + 1) * STATE.itemsize]
+        return self.data[robot * self.size : (robot + 1) * self.size]
 
 
 class Encodings:
@@ -99,13 +99,11 @@ class Encodings:
 def encode_scans(group: Group) -> NDArray[Any]:
     """laser SCAN (subtype 1)."""
     scans: Any = group.readings
-    n = scans.ranges.shape[1]
-    rows = np.zeros(len(group.rows), scan_type(n))
+    rows = SCAN.rows(len(group.rows), ranges=scans.ranges.shape[1], intensity=0)
     rows["min_angle"] = -scans.fov / 2
     rows["max_angle"] = scans.fov / 2
     rows["resolution"] = scans.resolution
     rows["max_range"] = scans.max_range
-    rows["counts"] = n
     hit = wanted(group, scans.hits) >= 0
     rows["ranges"] = told(wanted(group, scans.ranges), hit, scans.max_range)
     return rows
@@ -142,29 +140,11 @@ def last_before(max_range: float, kind: str) -> float:
         return float(np.nextafter(end, np.zeros((), kind)))
 
 
-@cache
-def scan_type(n: int) -> np.dtype[Any]:
-    """The layout of a SCAN of n rays without intensities."""
-    return np.dtype(
-        [
-            ("min_angle", ">f4"),
-            ("max_angle", ">f4"),
-            ("resolution", ">f4"),
-            ("max_range", ">f4"),
-            ("counts", ">u4", 2),
-            ("ranges", ">f4", n),
-            ("intensities", ">u4", 2),
-            ("id", ">u4"),
-        ]
-    )
-
-
-def encode_array(values: NDArray[np.float64], kind: str) -> NDArray[Any]:
-    """Dynamic arrays, one per row: count, count, values."""
-    n = values.shape[1]
-    rows = np.zeros(len(values), np.dtype([("counts", ">u4", 2), ("values", kind, n)]))
-    rows["counts"] = n
-    rows["values"] = values
+def encode_array(form: layouts.Form, values: NDArray[np.float64]) -> NDArray[Any]:
+    """Messages of one array and nothing else, a row of values each."""
+    [name] = form.arrays
+    rows = form.rows(len(values), **{name: values.shape[1]})
+    rows[name] = values
     return rows
 
 
@@ -176,7 +156,7 @@ def encode_ranges(group: Group) -> NDArray[Any]:
     if isinstance(readings, Scans):
         hit = wanted(group, readings.hits) >= 0
         ranges = told(ranges, hit, readings.max_range, "f8")
-    return encode_array(ranges, ">f8")
+    return encode_array(RANGES, ranges)
 
 
 def encode_intensities(group: Group) -> NDArray[Any]:
@@ -184,14 +164,14 @@ def encode_intensities(group: Group) -> NDArray[Any]:
     readings = group.readings
     assert isinstance(readings, Scans | Intensities)
     if isinstance(readings, Scans):
-        return encode_array((readings.hits[group.rows] >= 0).astype(np.float64), ">f8")
-    return encode_array(readings.intensities[group.rows], ">f8")
+        return encode_array(INTENSITIES, (readings.hits[group.rows] >= 0).astype(np.float64))
+    return encode_array(INTENSITIES, readings.intensities[group.rows])
 
 
 def encode_sonar(group: Group) -> NDArray[Any]:
     """sonar RANGES (subtype 1)."""
     assert isinstance(group.readings, Elements)
-    return encode_array(group.readings.ranges[group.rows], ">f4")
+    return encode_array(SONAR, group.readings.ranges[group.rows])
 
 
 def encode_blobs(group: Group) -> tuple[list[int], bytes]:
@@ -201,13 +181,14 @@ def encode_blobs(group: Group) -> tuple[list[int], bytes]:
     counts = readings.counts[group.rows]
     most = int(counts.max(initial=0))
     held = np.arange(most) < counts[:, None]
-    blobs = readings.blobs[group.rows, :most][held].astype(BLOB).tobytes()
+    blobs = readings.blobs[group.rows, :most][held].astype(BLOBS.element).tobytes()
+    head, size = BLOBS.head, BLOBS.element.itemsize
     parts, start = [], 0
     for count in counts.tolist():
-        end = start + count * BLOB.itemsize
-        parts += [BLOBS.pack(readings.width, readings.height, count, count), blobs[start:end]]
+        end = start + count * size
+        parts += [head.pack(readings.width, readings.height, count, count), blobs[start:end]]
         start = end
-    return np.cumsum(BLOBS.size + counts * BLOB.itemsize).tolist(), b"".join(parts)
+    return np.cumsum(head.size + counts * size).tolist(), b"".join(parts)
 
 
 def alike(encode: Callable[[Group], NDArray[Any]]) -> Encode:
