@@ -18,6 +18,7 @@ Floats = npt.NDArray[np.float64]
 
 _SCAN, _SCAN_POSE = 1, 2
 _HEAD, _MARKS, _ID = layouts.data(Interface.LASER, _SCAN).stretches
+_START, _EACH = _HEAD.numbers.size, _HEAD.element.itemsize
 _TAILS = {_SCAN: _ID.numbers, _SCAN_POSE: layouts.data(Interface.LASER, _SCAN_POSE).tail}
 
 
@@ -57,6 +58,8 @@ class LaserProxy(Proxy):
         self._bearings: Floats = np.zeros(0)
         self._rays: Floats = np.zeros((0, 2))
         self._fan: tuple[float, float, int] | None = None
+        self._like: tuple[bytes, bytes, int] | None = None
+        """What the last scan was around its ranges, and how many those are."""
         super().__init__(*args, **kwargs)
 
     @property
@@ -94,14 +97,19 @@ class LaserProxy(Proxy):
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """SCAN, SCANPOSE and SCANANGLE; see Proxy."""
+        if self._like is not None and subtype == _SCAN:
+            head, after, n = self._like
+            if payload.startswith(head) and payload[_START + n * _EACH :] == after:
+                self.ranges = np.frombuffer(payload, _HEAD.element, n, _START).astype(np.float64)
+                return
+        self._like = None
         tail = _TAILS.get(subtype)
         if tail is None:
             self._decode_angles(subtype, payload)
             return
         try:
             *angles, n, again = _HEAD.numbers.unpack_from(payload)
-            start = _HEAD.numbers.size
-            end = start + n * _HEAD.element.itemsize
+            end = _START + n * _EACH
             m, m_again = _MARKS.numbers.unpack_from(payload, end)
             marks = end + _MARKS.numbers.size
             rest = marks + m + (-m % 4)
@@ -111,9 +119,11 @@ class LaserProxy(Proxy):
             raise XdrError(f"{self.addr}: {len(payload)} bytes are no scan") from None
         self.id, *pose = tail.unpack_from(payload, rest)
         self.min_angle, self.max_angle, self.resolution, self.max_range = angles
-        self.ranges = np.frombuffer(payload, _HEAD.element, n, start).astype(np.float64)
+        self.ranges = np.frombuffer(payload, _HEAD.element, n, _START).astype(np.float64)
         self.intensity = np.frombuffer(payload, _MARKS.element, m, marks)
         self.robot_pose = Pose2d(*pose) if pose else None
+        if subtype == _SCAN:
+            self._like = (payload[:_START], payload[end:], n)
 
     def _decode_angles(self, subtype: int, payload: bytes) -> None:
         values = self._table(subtype, payload)

@@ -61,7 +61,7 @@ class Laser(SensorDevice):
         return readings
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        scan = self.payload("scans") if self.cut == self.whole else self.encode()
+        scan = self.payload("scans") if self.cut is self.whole else self.encode()
         if not self.with_pose:
             return ((SCAN, scan),)
         pose = self.context.scenery.odometry.poses[self.robot.index].tolist()
@@ -92,7 +92,8 @@ class Laser(SensorDevice):
         if name == "geometry":
             return {"pose": flat_pose(*self.mount), "size": SENSOR_SIZE}
         if name == "set_config":
-            self.cut = self.nearest(values)
+            cut = self.nearest(values)
+            self.cut = self.whole if cut == self.whole else cut
             return self.configuration()
         if name == "get_config":
             return self.configuration()
