@@ -10,6 +10,7 @@ from player.codes import DeviceAddr, MessageType
 from player.directory import Directory
 from player.events import Command, Request
 from player.server import Connection
+from player.session import Datum
 from sim.devices.device import Context, Device, Refused
 from sim.robot import Robot
 
@@ -152,12 +153,13 @@ class Switchboard:
         failed = []
         for connection, devices in self.connections.items():
             session = connection.session
+            data: list[Datum] = []
             try:
                 for device, addr in devices.items():
                     for subtype, payload in device.publish():
-                        session.publish(addr, subtype, payload, time)
+                        data.append((addr, subtype, payload))
             except Exception as error:
                 failed.append((connection, error))
-            session.end_of_round()
+            session.publish_round(data, time)
             connection.flush()
         return failed
