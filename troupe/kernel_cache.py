@@ -46,7 +46,7 @@ def distrust_cache() -> None:
     Changes numba in this process; a second call changes nothing.
     """
     from numba.core import caching  # noqa: PLC0415 - slow to load
-    from numba.core.runtime import rtsys  # noqa: PLC0415
+    from numba.core.runtime.nrt import rtsys  # noqa: PLC0415
 
     file: Any = caching.IndexDataCacheFile
     cache: Any = caching.Cache

@@ -37,7 +37,7 @@ def examples(
     Each is a world file and a few lines of Python. Exit code 2 if there is no such example, or if
     a file would be overwritten.
     """
-    from sim.printable import printable  # noqa: PLC0415 - `--help` stays quick
+    from player.printable import printable  # noqa: PLC0415 - `--help` stays quick
     from troupe import examples as shipped  # noqa: PLC0415
 
     try:
