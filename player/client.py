@@ -6,7 +6,7 @@ import contextlib
 import os
 import socket
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -129,6 +129,7 @@ class PlayerClient:
         self._backlog = Backlog()
         self._asked = False
         self._acknowledged = False
+        self._in_step = False  # the last round is over, and nothing that came since is left
         self._familiar = Familiar(_data_of_round)
         self._closed = False
         self._mode = DataMode.PUSH  # a server's first state
@@ -318,6 +319,7 @@ class PlayerClient:
         if self._closed or self.ending:
             raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
         payload = _encode(addr.interf, _REQ, subtype, message or {})
+        self._in_step = False
         self._out.append(pack_message(*addr, _REQ, subtype, payload))
         self._send_queued()
 
@@ -346,7 +348,48 @@ class PlayerClient:
     # -- messages ---------------------------------------------------------------------------
 
     def _read_round(self) -> bool:
-        kept, ended = self._backlog.take() if self._backlog else ([], False)
+        if not (self._in_step and self.timeout is None and self.read_timeout is None):
+            return self._read_slowly()
+        self._in_step = False
+        out = self._out
+        out.append(_REQUEST_DATA)
+        said = b"".join(out)
+        out.clear()
+        self._out_size = 0
+        self._asked = True
+        return self._take(self._link.exchange(said)) or self._read_slowly()
+
+    def _take(self, data: bytes) -> bool:
+        """Hands a round to the proxies, if all of it is here and looks like one before.
+
+        Otherwise, False, its messages are read one by one.
+        """
+        found = self._familiar.match(data)
+        if found is None:
+            self._link.feed(data)
+            self._familiar.learn(data)
+            return False
+        round, parts = found
+        self.time = parts[1]  # in case it holds no data
+        routes = self._routes
+        taken = 0
+        try:
+            for at, subtype, addr, taken in round:  # noqa: B007 - needed where a proxy raises
+                self.time = time = parts[at - 2]
+                for proxy in routes.get(addr, ()):
+                    proxy.take(subtype, parts[at], time)
+        except BaseException:
+            self._acknowledged = True
+            self._link.feed(data[taken:])  # the rest is for the next reading
+            raise
+        self._asked = False
+        self._in_step = True
+        return True
+
+    def _read_slowly(self) -> bool:
+        """Reads a round message by message, from where an earlier reading has come to."""
+        link = self._link
+        kept, ended = self._backlog.take()
         over = self._asked and ended  # the round that an earlier read() gave up waiting for
         if not self._asked:
             self._out.append(_REQUEST_DATA)
@@ -358,16 +401,9 @@ class PlayerClient:
             self._dispatch(message)
         if over:
             return True
-        link = self._link
         deadline = Deadline(self.read_timeout if self._acknowledged else self.timeout, _data)
-        if not (self._acknowledged or link.buffered):
-            data = link.receive(deadline)
-            found = self._familiar.match(data)
-            if found is not None:
-                self._deliver(data, *found)
-                return True
-            link.feed(data)
-            self._familiar.learn(data)
+        if not (self._acknowledged or link.buffered) and self._take(link.receive(deadline)):
+            return True
         while True:
             message = link.next(deadline)
             type_ = message.type
@@ -375,6 +411,7 @@ class PlayerClient:
                 self._dispatch(message)
             elif type_ == _SYNCH:
                 self._asked = self._acknowledged = False
+                self._in_step = not (self._backlog or link.buffered)
                 return True
             elif self._is_data_ack(message) and not self._acknowledged:
                 self._acknowledged = True
@@ -385,23 +422,6 @@ class PlayerClient:
                 raise PlayerRefused(f"{self.address} refused to send data")
             else:
                 self.stray += 1
-
-    def _deliver(self, data: bytes, round: list[DataAt], parts: tuple[Any, ...]) -> None:
-        """Hands a whole round, from its acknowledgement to its end, to the proxies."""
-        self.time = parts[1]
-        routes = self._routes
-        taken = 0
-        try:
-            for at, subtype, addr, end in round:
-                taken = end
-                self.time = time = parts[at - 2]
-                for proxy in routes.get(addr, ()):
-                    proxy.take(subtype, parts[at], time)
-        except BaseException:
-            self._acknowledged = True
-            self._link.feed(data[taken:])  # the rest is for the next reading
-            raise
-        self._asked = False
 
     def _read_pushed(self) -> bool:
         kept, _ = self._backlog.take()
