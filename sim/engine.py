@@ -27,6 +27,7 @@ from sim.fleet.drivers import Drivers
 from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError, Functions
 from sim.fleet.routing import Router
+from sim.fleet.sleeping import Sleeping
 from sim.pace import Pace
 from sim.ports import Ports
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result, Touch
@@ -52,6 +53,7 @@ class Settings:
     seed: int
     duration: float
     realtime: float | None = None  # simulated seconds per wall-clock second; None: flat out
+    free: bool = False  # nobody waits for clients from outside, whatever the world file says
     listen: tuple[str, int] | None = None
     patience: float = 60.0  # wall-clock seconds; infinite: for ever
     fail_fast: bool = False  # the first controller that fails ends the run
@@ -99,7 +101,7 @@ class Engine:
         self.robots = self.context.robots
         self.drivers = Drivers(
             self.robots,
-            Clocks(any_clock=world.player.clock == "any"),
+            Clocks("free" if self.settings.free else world.player.clock),
             self.stop_robot,
             fail_fast=self.settings.fail_fast,
         )
@@ -122,7 +124,7 @@ class Engine:
             self.context,
             self.switchboard,
             self.server,
-            patience=patience.entry,
+            patience=None if self.free else patience.entry,
             say=self.say,
             warn=self.warn or self.say,
         )
@@ -141,13 +143,20 @@ class Engine:
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
         self.realtime = self.settings.realtime  # who watches may change it meanwhile
-        self.pace = Pace(self.realtime)
+        self.pace = Pace(self.factor)
+        if self.realtime is not None and not self.free:
+            self.drivers.clocks.sleeping = Sleeping(self.say)
         self.stalled = b""  # a byte per robot
 
     @property
     def time(self) -> float:
         """Simulated seconds; a multiple of the interval, not a sum of steps."""
         return self.ticks * self.interval
+
+    @property
+    def free(self) -> bool:
+        """Whether the world runs on by itself, and waits for no client from outside."""
+        return self.drivers.clocks.mode == "free"
 
     @property
     def speed(self) -> float | None:
@@ -299,12 +308,16 @@ class Engine:
     def keep_pace(self) -> None:
         """With --realtime, wait until the wall clock has caught up; requests are answered."""
         while True:
-            # clients that are pushed their data live in real time, if nothing else sets the pace
-            self.pace.follow(self.realtime or (1.0 if self.crew.pushed_only else None), self.time)
+            self.pace.follow(self.factor, self.time)
             wait = self.pace.ahead(self.time)
             if wait <= 0 or self.crew.interrupted or self.drivers.failed:
                 break
             self.crew.wait(min(wait, LONGEST_NAP))
+
+    @property
+    def factor(self) -> float | None:
+        """The pace that is held now: those for whom nobody waits live in real time, unless told."""
+        return self.realtime or (1.0 if self.free or self.crew.pushed_only else None)
 
     def behind(self, seconds: float) -> dict[str, float]:
         """Who has been waited for for so many wall-clock seconds, and since how many, by name."""

@@ -80,6 +80,11 @@ class Switchboard:
         self.changed = True
         return device
 
+    def addresses(self, connection: Connection, robot: Robot) -> list[DeviceAddr]:
+        """What a connection has subscribed of a robot's devices."""
+        had = self.connections.get(connection, {})
+        return [addr for device, addr in had.items() if device.robot is robot]
+
     def forget(self, connection: Connection) -> None:
         """A connection is gone: its subscriptions end, and so does a pause that it has asked for.
 
