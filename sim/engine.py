@@ -105,7 +105,7 @@ class Engine:
             self.stop_robot,
             fail_fast=self.settings.fail_fast,
         )
-        self.router = Router(self.switchboard, self.drivers, self.say)
+        self.router = Router(self.switchboard, self.drivers, self.say, self.sensing.show_again)
         self.crew = Crew(
             self.context,
             self.server,

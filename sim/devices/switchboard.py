@@ -166,3 +166,11 @@ class Switchboard:
             session.end_of_round()
             connection.flush()
         return failed
+
+    def show_again(self, connection: Connection, time: float) -> None:
+        """Hand one client this tick's data once more; raises what a device of its raises."""
+        session = connection.session
+        for device, addr in self.connections.get(connection, {}).items():
+            for subtype, payload in device.publish():
+                session.publish(addr, subtype, payload, time)
+        session.end_of_round()

@@ -33,15 +33,22 @@ MOVING = frozenset((int(Interface.POSITION2D), int(Interface.DIO)))
 
 
 class Router:
-    """Takes what a server has heard. `say(line)` is given what is meant for people."""
+    """Takes what a server has heard. `say(line)` is given what is meant for people, and
+    `show_again(connection)` hands a client the present readings while the world stands.
+    """
 
     def __init__(
-        self, switchboard: Switchboard, drivers: Drivers, say: Callable[[str], None]
+        self,
+        switchboard: Switchboard,
+        drivers: Drivers,
+        say: Callable[[str], None],
+        show_again: Callable[[Connection], None],
     ) -> None:
         self.switchboard = switchboard
         self.drivers = drivers
         self.clocks = drivers.clocks
         self.say = say
+        self.show_again = show_again
         self.outsiders = Outsiders(switchboard, drivers, say)
         self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.paused_at = 0.0  # wall-clock time
@@ -60,9 +67,11 @@ class Router:
         """Obey or answer one message, or take note of where a connection has come to."""
         match event:
             case DataRequested():
+                if connection is self.switchboard.pauser:
+                    self.answer_pauser(connection)
                 if self.outsiders.expected:
                     self.first_reading(connection)
-                if not event.served:
+                if not event.served and connection.session.waiting:
                     self.clocks.asked(connection)
             case Command():
                 self.command(connection, event)
@@ -111,8 +120,22 @@ class Router:
         device = self.switchboard.command(connection, event)
         if self.switchboard.pauser is not pauser:
             self.paused_at = monotonic()
+            if self.switchboard.pauser is connection:
+                self.answer_pauser(connection)
         if event.addr.interf in MOVING:
             device.robot.driver.commander = connection
+
+    def answer_pauser(self, connection: Connection) -> None:
+        """Who has stopped the clock is no wait for: it has the present reading, if it asks.
+
+        It could not end the pause else. The world waits for it again when it goes on.
+        """
+        if not connection.session.waiting:
+            return
+        self.show_again(connection)
+        for driver in self.clocks.driven.get(connection, {}).values():
+            if connection in driver.readers:
+                self.clocks.wait_for(driver)
 
     def first_reading(self, connection: Connection) -> None:
         """It may be a controller's first; a program may read what is not its robot's own."""
