@@ -14,7 +14,7 @@ from player.codes import Interface
 from sensors.readings import Scans
 from sim.devices.device import Context, Refused, Values, finite, flat_pose
 from sim.devices.encoding import Encodings, told
-from sim.devices.sensor import SENSOR_SIZE, SensorDevice
+from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
 HEAD = struct.Struct(">ffffII")
@@ -100,7 +100,7 @@ class Laser(SensorDevice):
 
     def request(self, name: str, values: Values) -> Values | None:
         if name == "geometry":
-            return {"pose": flat_pose(*self.mount), "size": SENSOR_SIZE}
+            return {"pose": flat_pose(*self.mount), "size": self.size}
         if name == "set_config":
             self.cut = self.granted(values)
             return self.configuration()
