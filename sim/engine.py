@@ -20,6 +20,7 @@ import numpy as np
 from player.server import Server
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
+from sim.devices.things import named_things
 from sim.entry import Entry
 from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
@@ -94,7 +95,7 @@ class Engine:
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
         self.spraying = Spraying(self.scenery.floor)
-        self.context = Context(self.scenery, self.interval)
+        self.context = Context(self.scenery, self.interval, things=named_things(world))
         self.switchboard = Switchboard(self.context, self.say)
         self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
         patience = Patience(self.settings.patience)
@@ -247,6 +248,8 @@ class Engine:
         """
         if goals := self.context.take_puts():
             self.put(goals)
+        for name, pose in self.context.take_thing_puts().items():
+            self.put_thing(name, pose)
         while failed := self.context.carry_out():
             for client, error in failed:
                 self.router.expel(client, error)
@@ -280,10 +283,14 @@ class Engine:
         """Put robots at poses in the world, all at once; those who have no room there, and stay."""
         staying = self.scenery.put(poses)
         for robot in staying:
-            x, y, _ = poses[robot]
-            name = self.robots[robot].name
-            self.say(f"{name} stays where it is: there is no room for it at [{x:g}, {y:g}]")
+            self.say(stays(self.robots[robot].name, poses[robot]))
         return staying
+
+    def put_thing(self, name: str, pose: tuple[float, float, float]) -> None:
+        """Put an obstacle that can be pushed at a pose in the world, if there is room."""
+        number = self.context.things[name].number
+        if number is None or not self.scenery.stage.put_movable(number, pose):
+            self.say(stays(name, pose))
 
     def open_doors(self) -> None:
         """Let in the robots whose step has come."""
@@ -383,6 +390,11 @@ class Engine:
             ],
             touched=list(self.touched),
         )
+
+
+def stays(name: str, pose: tuple[float, float, float]) -> str:
+    """What is told of somebody, or something, that cannot be put at a pose."""
+    return f"{name} stays where it is: there is no room for it at [{pose[0]:g}, {pose[1]:g}]"
 
 
 def label(path: Path) -> str:

@@ -23,6 +23,7 @@ from sim.worldfile.salvage import Salvaged, salvage
 from sim.worldfile.schema import World
 from sim.worldfile.sensing import with_settings
 from sim.worldfile.settings import Refused, with_setting
+from sim.worldfile.things import thing_name_mistakes
 
 if TYPE_CHECKING:
     from sim.stage.layout import Layout
@@ -133,6 +134,8 @@ def _checked(
         return None, mistakes + crowd
     robots = tuple(expanded(entries))
     mistakes += name_mistakes(robots, doors)
+    things = [(found.index(("obstacles",), i), one) for i, one in enumerate(world.obstacles)]
+    mistakes += thing_name_mistakes(things, robots, doors)
     mistakes += port_mistakes(world, len(robots))
     if not found.lost("clock"):
         late = period_mistakes(world) + physics_mistakes(world)
