@@ -121,7 +121,7 @@ def test_an_error_costs_its_client_the_connection_and_nobody_else_anything(
             other.ask()
             with pytest.raises(Gone):  # noqa: PT012 - in which of them depends on where
                 client.command(POSITION2D, 0, 4, struct.pack(">2d", 0.3, 0.1))
-                client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0, 2, 0, 0, 0))
+                client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0.1, 2, 0, 0, 0))
                 client.subscribe(LASER)
                 client.request(POSITION2D, 0, 1)
                 client.round()

@@ -121,6 +121,14 @@ def run(
             show_default="as fast as possible",
         ),
     ] = None,
+    free: Annotated[
+        bool,
+        typer.Option(
+            "--free",
+            help="Wait for no Player client from outside: the world runs on by itself, in real "
+            "time unless --realtime says otherwise, for programs that sleep.",
+        ),
+    ] = False,
     listen: Annotated[
         str | None,
         typer.Option(
@@ -178,6 +186,7 @@ def run(
         duration=duration,
         settings=set_ or [],
         realtime=realtime,
+        free=free,
         listen=listen,
         patience=patience,
         fail_fast=fail_fast,
