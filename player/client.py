@@ -6,7 +6,7 @@ import contextlib
 import os
 import socket
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
@@ -25,7 +25,8 @@ from player.codes import (
 )
 from player.environment import Place, find_place
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
-from player.header import Message, pack_message
+from player.familiar import STEP, Familiar
+from player.header import HEADER_SIZE, Message, pack_message
 from player.link import Deadline, Link
 from player.printable import printable
 from player.xdr import Values
@@ -52,6 +53,27 @@ def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
     payload = spec.encode(message)
     spec.check_finite(message)
     return payload
+
+
+DataAt = tuple[int, int, tuple[int, int], int]
+"""Data in a round that is cut into parts: where its payload is among them, its subtype and its
+device, and where it ends among the round's bytes."""
+
+
+def _data_of_round(messages: list[Message]) -> list[DataAt] | None:
+    """The data in a round; None for what is no round: acknowledgement, data, and its end."""
+    first, last = messages[0], messages[-1]
+    if first[2:6] != (_PLAYER.interf, 0, _ACK, PlayerRequest.DATA) or last.type != _SYNCH:
+        return None
+    found: list[DataAt] = []
+    end = HEADER_SIZE + len(first.payload)
+    for number, message in enumerate(messages[1:-1], start=1):
+        if message.type != _DATA:
+            return None
+        end += HEADER_SIZE + len(message.payload)
+        at = STEP * number + STEP - 1
+        found.append((at, message.subtype, (message.interf, message.index), end))
+    return found
 
 
 class PlayerClient:
@@ -107,6 +129,7 @@ class PlayerClient:
         self._backlog = Backlog()
         self._asked = False
         self._acknowledged = False
+        self._familiar = Familiar(_data_of_round)
         self._closed = False
         self._mode = DataMode.PUSH  # a server's first state
         self._link = Link(place, self.timeout)
@@ -323,7 +346,7 @@ class PlayerClient:
     # -- messages ---------------------------------------------------------------------------
 
     def _read_round(self) -> bool:
-        kept, ended = self._backlog.take()
+        kept, ended = self._backlog.take() if self._backlog else ([], False)
         over = self._asked and ended  # the round that an earlier read() gave up waiting for
         if not self._asked:
             self._out.append(_REQUEST_DATA)
@@ -335,9 +358,18 @@ class PlayerClient:
             self._dispatch(message)
         if over:
             return True
+        link = self._link
         deadline = Deadline(self.read_timeout if self._acknowledged else self.timeout, _data)
+        if not (self._acknowledged or link.buffered):
+            data = link.receive(deadline)
+            found = self._familiar.match(data)
+            if found is not None:
+                self._deliver(data, *found)
+                return True
+            link.feed(data)
+            self._familiar.learn(data)
         while True:
-            message = self._link.next(deadline)
+            message = link.next(deadline)
             type_ = message.type
             if type_ == _DATA:
                 self._dispatch(message)
@@ -353,6 +385,23 @@ class PlayerClient:
                 raise PlayerRefused(f"{self.address} refused to send data")
             else:
                 self.stray += 1
+
+    def _deliver(self, data: bytes, round: list[DataAt], parts: tuple[Any, ...]) -> None:
+        """Hands a whole round, from its acknowledgement to its end, to the proxies."""
+        self.time = parts[1]
+        routes = self._routes
+        taken = 0
+        try:
+            for at, subtype, addr, end in round:
+                taken = end
+                self.time = time = parts[at - 2]
+                for proxy in routes.get(addr, ()):
+                    proxy.take(subtype, parts[at], time)
+        except BaseException:
+            self._acknowledged = True
+            self._link.feed(data[taken:])  # the rest is for the next reading
+            raise
+        self._asked = False
 
     def _read_pushed(self) -> bool:
         kept, _ = self._backlog.take()

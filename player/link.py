@@ -14,7 +14,7 @@ from player.header import Message, MessageReader
 from player.printable import printable
 from player.transport import hurry, quick_acknowledge
 
-RECEIVE_SIZE = 1 << 18
+RECEIVE_SIZE = 1 << 16
 """Bytes taken from the socket at a time: a round with a scan and blobs is about 1500."""
 
 LEAST_WAIT = 1e-3
@@ -97,7 +97,20 @@ class Link:
             message = self._reader.take()
             if message is not None:
                 return message
-            self._reader.feed(self._receive(deadline, RECEIVE_SIZE))
+            self.feed(self.receive(deadline))
+
+    @property
+    def buffered(self) -> int:
+        """Bytes that have been received and not been given as messages yet."""
+        return self._reader.buffered
+
+    def receive(self, deadline: Deadline) -> bytes:
+        """What comes next, in a piece as it comes; raises as `next` does."""
+        return self._receive(deadline, RECEIVE_SIZE)
+
+    def feed(self, data: bytes) -> None:
+        """Has `next` begin with what has been received otherwise."""
+        self._reader.feed(data)
 
     def waiting(self) -> Message | None:
         """The next message if it has been received already."""

@@ -73,11 +73,11 @@ def load_data(
 def build(checked: CheckedWorld) -> LoadedWorld:
     """Builds what a world file says; raises WorldError with all that is wrong in it.
 
-    Of a world with mistakes so much is built as holds: that two robots overlap is told together
-    with what is misspelt.
+    What holds of a world with mistakes is built too, so that two robots that overlap are told
+    together with a word that is misspelt.
     """
     world, layout, start, mistakes = checked.world, None, None, list[Mistake]()
-    lost = checked.salvaged.lost
+    lost = checked.valid_part.lost
     if world is not None:
         if not lost("clock"):
             mistakes += physics_mistakes(world)

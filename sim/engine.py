@@ -322,7 +322,7 @@ class Engine:
             return "completed"
         over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
-        entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
+        entered = self.fleet.lost or self.doors_done()  # nobody else can be started, or has to be
         done = not waits_for_time and not self.drivers.running and entered
         if not over and not done:
             return None

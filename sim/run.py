@@ -59,7 +59,7 @@ def run_world(
     try:
         engine = Engine(loaded, settings, fleet, say, warn, while_waiting, controllers)
         if log is not None:
-            engine.sensing.logged = log.sensors
+            engine.sensing.logged = log.sensed.wanted
         with interrupts.heard_by(engine):
             result = engine.run(after_tick if watchers else None)
         return result

@@ -144,11 +144,11 @@ class Scenery:
                 self.odometry.relocate(robot, pose)
         return staying
 
-    def repaint(self, robot: Robot, color: int) -> None:
+    def set_color(self, robot: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next reading on."""
         robot.color = color
         self.scene.colors[robot.entity] = color
 
-    def remark(self, robot: Robot, fiducial: int) -> None:
+    def set_fiducial(self, robot: Robot, fiducial: int) -> None:
         """Fiducial finders see a robot with another id from the next reading on."""
         self.scene.fiducials[robot.entity] = fiducial

@@ -10,7 +10,7 @@ import yaml
 
 from sim.build import LoadedWorld, load, load_data
 from sim.worldfile.nodes import plain
-from troupe.running import as_text
+from troupe.setting import as_text
 from troupe.worlds import find_world
 
 

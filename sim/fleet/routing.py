@@ -104,9 +104,9 @@ class Router:
 
     def command(self, connection: Connection, event: Command) -> None:
         """A command goes to its device, and who gave it commands the robot."""
-        pauser = self.switchboard.pauser
+        paused_by = self.switchboard.paused_by
         device = self.switchboard.command(connection, event)
-        if self.switchboard.pauser is not pauser:
+        if self.switchboard.paused_by is not paused_by:
             self.paused_at = monotonic()
         if event.addr.interf in MOVING:
             device.robot.driver.commander = connection

@@ -32,7 +32,7 @@ STATE, COMMANDS, CONTACTS, PAINT = (
 )
 
 
-class Batches:
+class TickBlocks:
     """Turns ticks and events into blocks; knows what was last written of what goes as changes."""
 
     def __init__(self, channels: Channels) -> None:

@@ -10,14 +10,13 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
-from sim.stage.body_tables import BodyTable, ContactTable
-from sim.stage.chipmunk import address, pointer
+from sim.stage.chipmunk import BodyTable, ContactTable, addresses
 from sim.stage.contacts import Touches
 from sim.stage.distance_field import DistanceField
 from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
-from sim.stage.steps import CALLS, PARTS, Place, run_steps
+from sim.stage.steps import PARTS, Place, run_steps
 
 
 class Physics:
@@ -134,8 +133,7 @@ class Physics:
         """After a change: find the rows of the movers (n,) in the table, and read it."""
         ids = self.table.index().astype(np.int64)
         self._machine[:] = (
-            *(address(name) for name in CALLS),
-            pointer(self._space._space),
+            *addresses(self._space),
             *self.table.readers,
             *self.table.writers,
             *self._contacts.readers,

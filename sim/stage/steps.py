@@ -8,7 +8,8 @@ import numpy as np
 from numba import carray  # type: ignore[attr-defined]
 
 from sim.stage import drive
-from sim.stage.chipmunk import (
+from sim.stage.compiled import compiled
+from sim.stage.intrinsics import (
     floats_at,
     for_each,
     ints_at,
@@ -16,26 +17,16 @@ from sim.stage.chipmunk import (
     step_space,
     words_at,
 )
-from sim.stage.compiled import compiled
 from sim.stage.limits import DEEPEST
 from sim.stage.may_touch import count_calm_ticks
 from sim.stage.substeps import count_substeps
 
-CALLS = (
-    "cpSpaceStep",
-    "cpSpaceEachBody",
-    "cpSpaceEachCachedArbiter",
-    "cpSpaceSetIterations",
-    "pmSpaceBodyGetIteratorFuncBatched",
-    "pmSpaceBodySetIteratorFuncBatched",
-    "pmSpaceArbiterIteratorFuncBatched",
-)
-"""The functions whose addresses stand first in `machine`, in this order."""
 STEP, EACH_BODY, EACH_ARBITER, SET_ITERATIONS, READ_BODY, WRITE_BODY, READ_ARBITER = range(7)
+"""Where the addresses of functions stand in `machine`: first, as `chipmunk.FUNCTIONS` has them."""
 SPACE, READ_DATA, READ_BUFFER, WRITE_DATA, WRITE_BUFFER, TOUCH_DATA, TOUCH_WORDS, TOUCH_FLOATS = (
     range(7, 15)
 )
-"""Then come the addresses of what they work on: see `body_tables`."""
+"""Then come the addresses of what they work on: see `chipmunk`."""
 PARTS = 15
 """The length of `machine`."""
 
@@ -81,7 +72,7 @@ def run_steps(
     shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
     traced (k,): the movers whose poses are noted.
 
-    place: the step to go on with, how fast (m/s) the fastest may be that was reckoned with when
+    place: the step to go on with, how fast (m/s) the fastest may be that was assumed when
     joints were given (negative: look around first), and whether the drives have taken this step
     in already. Where robots must get or lose their joints in mid-tick the loop returns, to be
     called again with the place that it returns; at the end that is behind the last step.

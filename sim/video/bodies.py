@@ -1,7 +1,7 @@
 """Bodies with their headings, in batches: a thousand cost little more than ten.
 
 A body has the colour that the world or its algorithm gave it; its rim and its arrow have the
-robot's identity colour. Who has settled is paler.
+robot's identity colour. A robot that has settled is paler.
 """
 
 from __future__ import annotations

@@ -19,10 +19,10 @@ from sim.worldfile.mistakes import Mistake, WorldError, suggestion
 from sim.worldfile.nodes import MappingNode, ScalarNode
 from sim.worldfile.references import reference_mistakes
 from sim.worldfile.robots import RobotSpec, expanded, name_mistakes, number_mistakes
-from sim.worldfile.salvage import Salvaged, salvage
 from sim.worldfile.schema import World
 from sim.worldfile.sensing import with_settings
-from sim.worldfile.settings import Refused, with_setting
+from sim.worldfile.settings import BadSetting, with_setting
+from sim.worldfile.valid_part import ValidPart, valid_part
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class CheckedWorld:
     mistakes: tuple[Mistake, ...]
     written: MappingNode  # the file as read, without settings
     files: tuple[str, ...]  # as shown, in the order of reading
-    salvaged: Salvaged
+    valid_part: ValidPart
 
     def error(self, more: Iterable[Mistake] = ()) -> WorldError | None:
         """All that is wrong, in the file's order; None if nothing is.
@@ -48,7 +48,7 @@ class CheckedWorld:
         `more` has been found besides, at places in `world`, whose lists may be shorter than the
         file's.
         """
-        placed = [replace(one, where=_in_list(self.salvaged, one.where)) for one in more]
+        placed = [replace(one, where=_in_list(self.valid_part, one.where)) for one in more]
         meant = [_meant(one, self.written) for one in located(placed, self.root)]
         mistakes = [*self.mistakes, *meant]
         return WorldError(in_order(mistakes, self.files)) if mistakes else None
@@ -94,7 +94,7 @@ def _with_settings(
     for setting in settings:
         try:
             root = with_setting(root, setting)
-        except Refused as error:
+        except BadSetting as error:
             mistakes += error.mistakes
     folder = folder_of(path)
     found, world, robots, wrong = _checked(root, folder, complete=files.complete)
@@ -106,7 +106,7 @@ def _with_settings(
 
 def _checked(
     root: MappingNode, folder: Path, *, complete: bool
-) -> tuple[Salvaged, World | None, tuple[RobotSpec, ...], list[Mistake]]:
+) -> tuple[ValidPart, World | None, tuple[RobotSpec, ...], list[Mistake]]:
     """What is left of a read file, the world to build, or None, its robots, and what is wrong.
 
     Where a file that it includes could not be read (`complete` is false), what is missing may
@@ -114,7 +114,7 @@ def _checked(
     """
     data = rebased(nodes.plain(root), root, folder)
     ready, mistakes, wrong = with_settings(data, folder)
-    found = salvage(ready, mistakes, wrong)
+    found = valid_part(ready, mistakes, wrong)
     world, mistakes = found.world, found.mistakes
     if not complete:
         there = [one for one in mistakes if nodes.at(root, one.where) is not None]
@@ -154,8 +154,8 @@ def _meant(mistake: Mistake, written: MappingNode) -> Mistake:
     return replace(mistake, what=f"{mistake.what}; the file has no {part}.{name}{hint}")
 
 
-def _in_list(found: Salvaged, where: nodes.Path) -> nodes.Path:
-    """A place in the salvaged world as a place in the file: obstacles and doors by their index."""
+def _in_list(found: ValidPart, where: nodes.Path) -> nodes.Path:
+    """A place in the part that is left as one in the file: obstacles and doors by their index."""
     if len(where) > 1 and where[0] in ("obstacles", "doors") and isinstance(where[1], int):
         return (where[0], found.index((where[0],), where[1]), *where[2:])
     return where

@@ -27,6 +27,8 @@ PAGES = [
     "docs/paint.md",
     "docs/architecture.md",
     "docs/performance.md",
+    "docs/examples.md",
+    "docs/gallery.md",
 ]
 PROGRAMS = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
 """Where the command `troupe` is, as in an environment that is in use."""

@@ -30,8 +30,8 @@ def check(
 
     Exit code 2 if there is any mistake.
     """
+    from player.printable import printable  # noqa: PLC0415 - `troupe --help` stays quick
     from sim.build import load  # noqa: PLC0415
-    from sim.printable import printable  # noqa: PLC0415 - `troupe --help` stays quick
     from sim.worldfile import WorldError  # noqa: PLC0415
     from troupe.compiling import Compiling  # noqa: PLC0415
     from troupe.warm import tell, warm_once  # noqa: PLC0415

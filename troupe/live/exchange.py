@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from time import monotonic
 
-from sim.live.moment import Moment, Scene
+from sim.view.moment import Moment, Scene
 from troupe.live.asks import Ask
 
 LEAST = 1 / 30

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sensors.readings import Bits, Blobs, Elements, Fiducials, Intensities, Scalars, Scans
 from sensors.suite import Group, Suite
-from sim.live.moment import Cones, Fan, Marks, Pose, Sight, Switches
+from sim.view.moment import Cones, Fan, Marks, Pose, Sight, Switches
 from troupe.live.scene import MOST_FANS
 
 if TYPE_CHECKING:

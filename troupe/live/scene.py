@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sim.filming import backdrop_of
-from sim.live.moment import Scene
 from sim.silhouette import silhouette
 from sim.video import palette
+from sim.view.moment import Scene
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld

@@ -24,8 +24,8 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from sim.live.frames import Told, encode_moment, encode_scene
-from sim.live.moment import Scene
+from sim.view.frames import Told, encode_moment, encode_scene
+from sim.view.moment import Scene
 from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
 from troupe.live.entrance import answer
 from troupe.live.exchange import Exchange

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.live.moment import AWAITED, SETTLED, STALLED, TOUCHING, Moment, Robot
 from sim.result import Touch
+from sim.view.moment import AWAITED, SETTLED, STALLED, TOUCHING, Moment, Robot
 from troupe.live.asks import Ask
 from troupe.live.exchange import Exchange
 from troupe.live.readings import Eyes, Shown

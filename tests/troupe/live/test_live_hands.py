@@ -13,9 +13,9 @@ import troupe
 from sim.build import load
 from sim.engine import Settings
 from sim.fleet.patience import Patience
-from sim.live.frames import STATUS
 from sim.result import Touch
 from sim.run import run_world
+from sim.view.frames import STATUS
 from tests.patience import PATIENCE
 from troupe.live.asks import Malformed, parse_ask
 from troupe.live.watch import Repeat

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.live.moment import Moment
+from sim.view.moment import Moment
 from troupe.live.asks import Ask
 from troupe.live.entrance import page_files
 from troupe.live.exchange import MOST_ASKED, Exchange

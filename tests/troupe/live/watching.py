@@ -13,8 +13,8 @@ from urllib.parse import urlsplit
 from websockets.sync.client import ClientConnection, connect
 
 from sim.interrupts import Interrupts
-from sim.live.frames import Message, decode
 from sim.result import Result
+from sim.view.frames import Message, decode
 from tests.patience import PATIENCE
 from troupe.live.opening import LiveView
 from troupe.running import Run, run_file
@@ -114,12 +114,17 @@ class Watched:
 
 @contextlib.contextmanager
 def watched(world: str | Path, **options: Any) -> Iterator[Watched]:
-    """A watched run, which has ended when this is left."""
+    """A watched run, which has ended when this is left, and nobody looks on any more."""
     run = Watched(world, **options)
     try:
         yield run
     finally:
+        while _viewers:
+            _viewers.pop().close()  # or the run's end would wait for them to take their last words
         run.stop()
+
+
+_viewers: list[Viewer] = []
 
 
 class Viewer:
@@ -134,6 +139,7 @@ class Viewer:
             additional_headers=headers,
         )
         self.socket: ClientConnection = opening.__enter__()
+        _viewers.append(self)
 
     def ask(self, **what: Any) -> None:
         self.socket.send(json.dumps(what))

@@ -43,8 +43,8 @@ class Robot:
 
     @property
     def key(self) -> str:
-        """Equal for robots that can share a model."""
-        return flow([self.stem, self.body, self.drive, self.rest, [s.data for s in self.sensors]])
+        """Equal for robots that can share a model: those whose models are written alike."""
+        return flow((self.stem, self.body, self.drive, self.rest, [s.data for s in self.sensors]))
 
 
 def robot_of(

@@ -1,4 +1,4 @@
-// Messages taken apart: the page's side of sim/live/frames.py, where they are described.
+// Messages taken apart: the page's side of sim/view/frames.py, where they are described.
 
 const MAGIC = 0x31505254;
 const words = new TextDecoder();

@@ -1,0 +1,253 @@
+"""The bytes by which a scene and its moments reach a page: described here, once.
+
+A message is little-endian. It begins with a head of 24 bytes
+
+    u32 magic "TRP1"   u16 kind (1 scene, 2 moment)   u16 0   f64 time, s   u32 tick   u32 robots
+
+and then has sections: u32 number, u32 bytes, and so many bytes, filled up with zeros to a multiple
+of four. What a section has not changed since the last message to the same viewer is left out.
+
+     1  about      JSON: title, size [m, m], low [m, m] (the lower left corner), models, things, ...
+     2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners
+     3  poses      f32 x, y, yaw (robots)
+     4  colors     u32 0xRRGGBB (robots)
+     5  states     u8 bits (robots): 1 settled, 2 stalled, 4 touching, 8 waited for
+     6  things     f32 x, y, yaw of every thing that can be pushed
+     7  fans       each: u32 robot, sensor, k; f32 x, y, yaw, fov; f32 ranges (k)
+     8  cones      each: u32 robot, sensor, k; f32 fov; f32 x, y, heading, range (k)
+     9  sights     each: u32 robot, sensor, k, width, height; f32 x, y, yaw, fov;
+                         u32 0xRRGGBB, left, right, top, bottom, range in mm (k)
+    10  marks      each: u32 robot, sensor, k; f32 x, y, yaw; f32 id, x, y, yaw (k)
+    11  switches   each: u32 robot, sensor, k; f32 x, y, yaw; f32 closed, begin, end (k)
+    12  paint      u32 k; u32 first cell (k); u32 cells (k); u32 owner (k): runs of cells that have
+                   changed, row by row from the lower left; owner 0 bare, r + 1 robot r
+    13  robots     JSON: {"from": index, "robots": [[name, model], ...]} who has entered
+    14  said       JSON: [[robot, time, words], ...]
+    15  drawn      JSON: [{robot, kind, points, color, fill}, ...] all that is drawn now
+    16  status     JSON: of the whole run
+    17  cards      JSON: {robot: what is known of it, ...}
+
+The page's side is troupe/live/page/frames.js.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.strictjson import plain
+from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
+
+MAGIC = 0x31505254
+SCENE, MOMENT = 1, 2
+HEAD = struct.Struct("<IHHdII")
+SECTION = struct.Struct("<II")
+
+ABOUT, SOLIDS, POSES, COLORS, STATES, THINGS = 1, 2, 3, 4, 5, 6
+FANS, CONES, SIGHTS, MARKS, SWITCHES = 7, 8, 9, 10, 11
+PAINT, ROBOTS, SAID, DRAWN, STATUS, CARDS = 12, 13, 14, 15, 16, 17
+
+
+@dataclass
+class Told:
+    """What one viewer has been sent so far."""
+
+    robots: int = 0
+    colors: bytes = b""
+    states: bytes = b""
+    paint: NDArray[np.int16] | None = None
+    said: dict[int, tuple[float, str]] = field(default_factory=dict)
+    drawn: bytes = b"[]"
+    status: bytes = b""
+
+
+def encode_scene(scene: Scene) -> bytes:
+    """The first message of a run to a viewer."""
+    corners = np.array([len(vertices) for vertices, _ in scene.solids], "<u4")
+    colors = np.array([color for _, color in scene.solids], "<u4")
+    everything = [np.asarray(vertices, "<f4").tobytes() for vertices, _ in scene.solids]
+    solids = struct.pack("<I", len(corners)) + corners.tobytes() + colors.tobytes()
+    sections = [(ABOUT, _json(scene.about)), (SOLIDS, solids + b"".join(everything))]
+    return _message(SCENE, 0.0, 0, 0, sections)
+
+
+def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> bytes:
+    """A moment for a viewer that knows what `told` says; `told` is brought up to date."""
+    sections: list[tuple[int, bytes]] = []
+    count = len(moment.poses)
+    if told.robots < count:
+        new = [list(robot) for robot in moment.robots[told.robots :]]
+        sections.append((ROBOTS, _json({"from": told.robots, "robots": new})))
+        told.robots = count
+    sections.append((POSES, np.asarray(moment.poses, "<f4").tobytes()))
+    colors = np.asarray(moment.colors, "<u4").tobytes()
+    if colors != told.colors:
+        sections.append((COLORS, colors))
+        told.colors = colors
+    states = moment.states.tobytes()
+    if states != told.states:
+        sections.append((STATES, states))
+        told.states = states
+    if len(moment.things):
+        sections.append((THINGS, np.asarray(moment.things, "<f4").tobytes()))
+    # Readings always: a page shows those of this moment, and no others.
+    sections.append((FANS, b"".join(map(_fan, moment.fans))))
+    sections.append((CONES, b"".join(map(_cones, moment.cones))))
+    sections.append((SIGHTS, b"".join(map(_sight, moment.sights))))
+    sections.append((MARKS, b"".join(map(_marks, moment.marks))))
+    sections.append((SWITCHES, b"".join(map(_switches, moment.switches))))
+    if moment.paint is not None and moment.paint is not told.paint:
+        sections.append((PAINT, paint_runs(told.paint, moment.paint)))
+        told.paint = moment.paint
+    said = [line for line in moment.said if told.said.get(line[0]) != line[1:]]
+    if said:
+        sections.append((SAID, _json(said)))
+        told.said.update((robot, (time, words)) for robot, time, words in said)
+    drawn = _json(moment.drawn)
+    if drawn != told.drawn:
+        sections.append((DRAWN, drawn))
+        told.drawn = drawn
+    status = _json(moment.status)
+    if status != told.status:
+        sections.append((STATUS, status))
+        told.status = status
+    wanted = {robot: moment.cards[robot] for robot in cards if robot in moment.cards}
+    if wanted:
+        sections.append((CARDS, _json(wanted)))
+    return _message(MOMENT, moment.time, moment.tick, count, sections)
+
+
+def paint_runs(before: NDArray[np.int16] | None, now: NDArray[np.int16]) -> bytes:
+    """The section `paint`: runs of equal owners where they have changed."""
+    flat = now.ravel()
+    was = np.zeros_like(flat) if before is None else before.ravel()
+    changed = np.flatnonzero(flat != was)
+    if not len(changed):
+        return struct.pack("<I", 0)
+    owners = flat[changed]
+    begins = np.ones(len(changed), bool)
+    begins[1:] = (np.diff(changed) != 1) | (np.diff(owners) != 0)
+    first = np.flatnonzero(begins)
+    lengths = np.diff(np.append(first, len(changed)))
+    parts = (changed[first], lengths, owners[first])
+    return struct.pack("<I", len(first)) + b"".join(part.astype("<u4").tobytes() for part in parts)
+
+
+def _fan(fan: Fan) -> bytes:
+    head = struct.pack("<3I4f", fan.robot, fan.sensor, len(fan.ranges), *fan.pose, fan.fov)
+    return head + np.asarray(fan.ranges, "<f4").tobytes()
+
+
+def _cones(cones: Cones) -> bytes:
+    head = struct.pack("<3If", cones.robot, cones.sensor, len(cones.elements), cones.fov)
+    return head + np.asarray(cones.elements, "<f4").tobytes()
+
+
+def _sight(sight: Sight) -> bytes:
+    counts = (sight.robot, sight.sensor, len(sight.blobs), sight.width, sight.height)
+    head = struct.pack("<5I4f", *counts, *sight.pose, sight.fov)
+    return head + np.asarray(sight.blobs, "<u4").tobytes()
+
+
+def _marks(marks: Marks) -> bytes:
+    head = struct.pack("<3I3f", marks.robot, marks.sensor, len(marks.seen), *marks.pose)
+    return head + np.asarray(marks.seen, "<f4").tobytes()
+
+
+def _switches(them: Switches) -> bytes:
+    head = struct.pack("<3I3f", them.robot, them.sensor, len(them.parts), *them.pose)
+    return head + np.asarray(them.parts, "<f4").tobytes()
+
+
+def _json(value: Any) -> bytes:
+    """JSON that every parser takes: what programs report may hold numbers that are none."""
+    try:
+        return json.dumps(value, allow_nan=False, ensure_ascii=False).encode()
+    except (ValueError, TypeError, UnicodeEncodeError):
+        return json.dumps(plain(value), allow_nan=False).encode()
+
+
+def _message(
+    kind: int, time: float, tick: int, robots: int, sections: Sequence[tuple[int, bytes]]
+) -> bytes:
+    parts = [HEAD.pack(MAGIC, kind, 0, time, tick, robots)]
+    for number, data in sections:
+        parts += [SECTION.pack(number, len(data)), data, bytes(-len(data) % 4)]
+    return b"".join(parts)
+
+
+# -- the other way round, for tests and tools
+
+
+@dataclass(frozen=True)
+class Message:
+    """A message taken apart: `sections` as they stand, by number."""
+
+    kind: int
+    time: float
+    tick: int
+    robots: int
+    sections: dict[int, bytes]
+
+    def json(self, number: int) -> Any:
+        """A section that is JSON."""
+        return json.loads(self.sections[number])
+
+    @property
+    def poses(self) -> NDArray[np.float32]:
+        """(robots, 3)."""
+        return np.frombuffer(self.sections[POSES], "<f4").reshape(-1, 3)
+
+    @property
+    def things(self) -> NDArray[np.float32]:
+        """(m, 3)."""
+        return np.frombuffer(self.sections.get(THINGS, b""), "<f4").reshape(-1, 3)
+
+    @property
+    def fans(self) -> list[Fan]:
+        """The scans."""
+        return list(_read_fans(self.sections[FANS]))
+
+    def paint(self, onto: NDArray[np.int16]) -> None:
+        """Bring a layer of paint (rows, columns) up to date."""
+        data = np.frombuffer(self.sections.get(PAINT, bytes(4)), "<u4")
+        firsts, lengths, owners = data[1:].reshape(3, data[0])
+        flat = onto.reshape(-1)
+        for first, length, owner in zip(firsts, lengths, owners, strict=True):
+            flat[first : first + length] = owner
+
+
+def decode(data: bytes) -> Message:
+    """Take a message apart; raises ValueError for what is none."""
+    if len(data) < HEAD.size:
+        raise ValueError("a message has at least 24 bytes")
+    magic, kind, _, time, tick, robots = HEAD.unpack_from(data)
+    if magic != MAGIC:
+        raise ValueError("this is no message of Troupe's")
+    sections, at = {}, HEAD.size
+    while at < len(data):
+        number, size = SECTION.unpack_from(data, at)
+        at += SECTION.size
+        sections[number] = data[at : at + size]
+        at += size + -size % 4
+    return Message(kind, time, tick, robots, sections)
+
+
+def decode_robots(message: Message) -> list[Robot]:
+    """Who has entered."""
+    return [Robot(*robot) for robot in message.json(ROBOTS)["robots"]]
+
+
+def _read_fans(data: bytes) -> Iterator[Fan]:
+    at, head = 0, struct.Struct("<3I4f")
+    while at < len(data):
+        robot, sensor, count, x, y, yaw, fov = head.unpack_from(data, at)
+        at += head.size
+        yield Fan(robot, sensor, (x, y, yaw), fov, np.frombuffer(data, "<f4", count, at))
+        at += 4 * count
