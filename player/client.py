@@ -132,6 +132,7 @@ class PlayerClient:
         self._in_step = False  # the last round is over, and nothing that came since is left
         self._familiar = Familiar(_data_of_round)
         self._closed = False
+        self._outside = place.sock is None
         self._mode = DataMode.PUSH  # a server's first state
         self._link = Link(place, self.timeout)
         self.banner = self._link.banner
@@ -237,10 +238,22 @@ class PlayerClient:
         self.request(_PLAYER, PlayerRequest.ADD_REPLACE_RULE, rule)
 
     def close(self) -> None:
-        """Sends queued commands and closes the connection; further calls do nothing."""
+        """Sends queued commands, unsubscribes all devices as Player's library does, and closes.
+
+        Further calls do nothing. By unsubscribing a server over TCP can tell a client that is done
+        from one that has broken off.
+        """
+        self._close(done=True)
+
+    def _close(self, done: bool) -> None:
         if self._closed:
             return
         if not self.ending:
+            if done and self._outside:
+                for addr in self._routes:
+                    message = {"addr": (0, 0, *addr), "access": Access.CLOSE, "driver": ""}
+                    payload = _encode(_PLAYER.interf, _REQ, PlayerRequest.DEV, message)
+                    self._out.append(pack_message(*_PLAYER, _REQ, PlayerRequest.DEV, payload))
             with contextlib.suppress(PlayerDisconnected, OSError):
                 self.flush()
         self._closed = True
@@ -249,8 +262,8 @@ class PlayerClient:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._close(done=kind is None)
 
     # -- for proxies ------------------------------------------------------------------------
 

@@ -455,6 +455,10 @@ class Session:
         outbox.say(b"".join(parts))
         self._held_ack = self.waiting = False
 
+    def keep_newest(self) -> None:
+        """Data that waits is no more than the newest of each kind, unless the client has rules."""
+        self._outbox.keep_newest()
+
     def end_of_round(self) -> None:
         """All data of a tick has been published: it goes out if the client has asked for it."""
         self._open_round = False

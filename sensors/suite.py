@@ -214,7 +214,7 @@ class Suite:
         self._casts = [tuple(groups) for groups in shared.values()]
 
 
-CREW = 256
+ENOUGH_FOR_THREADS = 256
 """Sensors of one group from which on it pays to share them out to threads."""
 
 
@@ -233,7 +233,11 @@ def sense_rows(groups: Sequence[Group], views: Sequence[View]) -> None:
     """
     cores, pool = threads()
     rows = views[0].rows
-    if pool is None or len(rows) < CREW or not all(group.type.threads for group in groups):
+    if (
+        pool is None
+        or len(rows) < ENOUGH_FOR_THREADS
+        or not all(group.type.threads for group in groups)
+    ):
         _sense_part(groups, views)
         return
     first, *rest = np.array_split(rows, cores)

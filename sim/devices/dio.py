@@ -36,3 +36,8 @@ class Dio:
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
+
+
+def devices(context: Context, robot: Robot) -> Iterable[Dio]:
+    """One for each of the robot's sprayers."""
+    return [Dio(context, robot, index) for index in range(len(robot.sprayers))]

@@ -29,7 +29,7 @@ def carried_id(context: Context, robot: Robot, name: str, values: Values) -> Val
     fiducial = values["id"]
 
     robot.fiducial = fiducial  # known to its own clients alone, until others look
-    context.later(robot, lambda: context.scenery.remark(robot, fiducial), "fiducial")
+    context.later(robot, lambda: context.scenery.set_fiducial(robot, fiducial), "fiducial")
     return {"id": fiducial}
 
 

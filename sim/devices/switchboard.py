@@ -44,12 +44,12 @@ class Switchboard:
     def __init__(self, context: Context, say: Callable[[str], None]) -> None:
         self.context = context
         self.say = say
-        self.complained: dict[Connection, set[Robot]] = {}  # of messages to whom people know
+        self.complained: dict[Connection, set[Robot]] = {}  # people have been told, of these robots
         self.ports: dict[int, Port] = {}  # by the identity of the directory
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
         self.changed = True  # what is wanted has changed since `wanted` was last read
-        self.pauser: Connection | None = None
+        self.paused_by: Connection | None = None
         """Who has stopped the clock."""
 
     def add_port(self) -> Port:
@@ -81,6 +81,11 @@ class Switchboard:
         self.changed = True
         return device
 
+    def addresses(self, connection: Connection, robot: Robot) -> list[DeviceAddr]:
+        """What a connection has subscribed of a robot's devices."""
+        had = self.connections.get(connection, {})
+        return [addr for device, addr in had.items() if device.robot is robot]
+
     def forget(self, connection: Connection) -> None:
         """A connection is gone: its subscriptions end, and so does a pause that it has asked for.
 
@@ -89,9 +94,9 @@ class Switchboard:
         self.connections.pop(connection, None)
         self.complained.pop(connection, None)
         self.changed = True
-        if self.pauser is connection:
+        if self.paused_by is connection:
             self.context.paused = False
-            self.pauser = None
+            self.paused_by = None
 
     def command(self, connection: Connection, event: Command) -> Device:
         """Pass a command to its device, which is returned."""
@@ -105,7 +110,7 @@ class Switchboard:
             context.client = None
         self.tell_complaints(connection)
         if context.paused != paused:
-            self.pauser = connection if context.paused else None
+            self.paused_by = connection if context.paused else None
         return device
 
     def request(self, connection: Connection, event: Request) -> None:
@@ -163,3 +168,11 @@ class Switchboard:
             session.publish_round(data, time)
             connection.flush()
         return failed
+
+    def show_again(self, connection: Connection, time: float) -> None:
+        """Hand one client this tick's data once more; raises what a device of its raises."""
+        session = connection.session
+        for device, addr in self.connections.get(connection, {}).items():
+            for subtype, payload in device.publish():
+                session.publish(addr, subtype, payload, time)
+        session.end_of_round()
