@@ -384,7 +384,7 @@ class Simulation:
 
     # -- what comes out of it -----------------------------------------------------------------
 
-    def snapshot(self) -> Snapshot:
+    def view(self) -> Snapshot:
         """What this moment shows, as plain arrays that are read at once."""
         from sim.filming import Film  # noqa: PLC0415
 
