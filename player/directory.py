@@ -4,9 +4,24 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Iterator, Mapping
+from functools import cache
 
 from player.codes import DeviceAddr
+from player.header import FRONT
 from player.messages import encode
+
+MOST_FRONTS = 4096
+"""Beginnings of headers that are kept: what clients ask may be of as many kinds as they like."""
+
+
+@cache
+def wire_address(host: str) -> int:
+    """An IPv4 address as headers have it; 0 for any other host, as they have no room for it."""
+    try:
+        packed = ipaddress.IPv4Address(host).packed
+    except ValueError:
+        return 0
+    return int.from_bytes(packed, "little")
 
 
 class Directory:
@@ -27,6 +42,7 @@ class Directory:
         self.time = time
         self._drivers: dict[DeviceAddr, str] = {}
         self._list: bytes | None = None
+        self._fronts: dict[tuple[int, int, int, int], bytes] = {}
         self.place(host, port)
         for addr, driver in (devices or {}).items():
             self.add(addr, driver)
@@ -60,13 +76,20 @@ class Directory:
         """Sets what clients are told in headers and lists: an IPv4 address and a port."""
         self.host = host
         self.port = port
-        try:
-            packed = ipaddress.IPv4Address(host).packed
-        except ValueError:
-            packed = bytes(4)  # no IPv4 address: the protocol has no room for any other
-        self.wire_host = int.from_bytes(packed, "little")
+        self.wire_host = wire_address(host)
         """The address as it stands in headers: 127.0.0.1 is 0x0100007f."""
         self._list = None
+        self._fronts.clear()
+
+    def front(self, interf: int, index: int, type: int, subtype: int) -> bytes:
+        """The header of a message from here, up to its timestamp."""
+        kind = (interf, index, type, subtype)
+        front = self._fronts.get(kind)
+        if front is None:
+            front = FRONT.pack(self.wire_host, self.port, *kind)
+            if len(self._fronts) < MOST_FRONTS:
+                self._fronts[kind] = front
+        return front
 
     def listing(self) -> bytes:
         """The payload of the device list's ACK."""

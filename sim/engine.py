@@ -9,7 +9,8 @@ somebody watches.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping
+import gc
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,7 @@ from time import monotonic, perf_counter
 import numpy as np
 
 from player.server import Server
+from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.devices.things import named_things
@@ -37,7 +39,6 @@ from sim.scenery import Scenery
 from sim.sensing import Sensing
 from sim.spray import Spraying, close
 from sim.stage.doors import Doors
-from sim.worldfile import LoadedWorld
 
 AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
@@ -207,8 +208,9 @@ class Engine:
 
     def enter_first(self) -> None:
         """The robots that are there from the start enter; all perceive for the first time."""
-        for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
-            self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
+        with kept_objects():
+            for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
+                self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
         self.sensing.sense(self.ticks, self.time)
         self.entry.serve_held()
@@ -343,7 +345,7 @@ class Engine:
             return "completed"
         over = self.time + self.interval > self.settings.duration + ROUNDING
         waits_for_time = self.waits_for_time
-        entered = self.fleet.lost or self.doors_done()  # nobody can be started any more, or need be
+        entered = self.fleet.lost or self.doors_done()  # nobody else can be started, or has to be
         done = not waits_for_time and not self.drivers.running and entered
         if not over and not done:
             return None
@@ -403,3 +405,18 @@ def label(path: Path) -> str:
     with contextlib.suppress(ValueError):
         return str(path.resolve().relative_to(Path.cwd()))
     return str(path)
+
+
+@contextlib.contextmanager
+def kept_objects() -> Iterator[None]:
+    """While objects are made that all stay, nobody looks for some that have become useless.
+
+    With ten thousand robots that took a fifth of the time.
+    """
+    looks = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if looks:
+            gc.enable()

@@ -9,10 +9,10 @@ import contextlib
 import math
 from dataclasses import replace
 
+from sim.build import LoadedWorld
 from sim.engine import Engine, Settings
 from sim.fleet.functions import Controllers
 from sim.fleet.idle import NoFleet
-from sim.worldfile import LoadedWorld
 from sim.worldfile.schema import Player
 
 TICKS = 2

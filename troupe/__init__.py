@@ -139,7 +139,8 @@ def run(
     """
     from sim.fleet.functions import FunctionError  # noqa: PLC0415
     from troupe.hooks import Hooks  # noqa: PLC0415
-    from troupe.running import as_text, run_file  # noqa: PLC0415 - `import troupe` stays light
+    from troupe.running import run_file  # noqa: PLC0415 - `import troupe` stays light
+    from troupe.setting import as_text  # noqa: PLC0415
 
     hooks = Hooks(each_tick, until, trajectories)
     try:

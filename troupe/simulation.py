@@ -35,9 +35,9 @@ from troupe.usage import UsageError
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.result import Outcome, Result
-    from sim.video.view import FrameView
-    from sim.worldfile import LoadedWorld
+    from sim.video.snapshot import Snapshot
 
 Floats = NDArray[np.float64]
 Robots = int | str | Iterable[int | str] | None
@@ -387,11 +387,11 @@ class Simulation:
 
     # -- what comes out of it -----------------------------------------------------------------
 
-    def view(self) -> FrameView:
+    def snapshot(self) -> Snapshot:
         """What this moment shows, as plain arrays that are read at once."""
         from sim.filming import Film  # noqa: PLC0415
 
-        return Film().view(self._engine)
+        return Film().snapshot(self._engine)
 
     def picture(self, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
         """This moment as an image (height, width, 3), red, green, blue; `size`: width, height.
@@ -404,7 +404,7 @@ class Simulation:
         picture = Picture(backdrop_of(self._loaded), size)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
-        return np.ascontiguousarray(picture.draw(Film().view(self._engine))[:, :, ::-1])
+        return np.ascontiguousarray(picture.draw(Film().snapshot(self._engine))[:, :, ::-1])
 
     def _repr_png_(self) -> bytes:
         """The present moment, where a notebook shows the simulation."""

@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Blobs
 from sim.devices.device import Context, Refused, Values
-from sim.devices.encoding import BLOB, BLOBS, Encodings
+from sim.devices.encoding import Encodings
 from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
@@ -22,6 +23,9 @@ MOST_CHANNELS = 32
 """Channels of colour that a blobfinder can be told (as many as the CMUcam of old had)."""
 FIELD_OF_VIEW = "fov"
 """The property that tells the image's width as an angle, radians: blobs travel without it."""
+
+
+BLOBS = layouts.data(Interface.BLOBFINDER)
 
 
 @dataclass(frozen=True)
@@ -64,8 +68,10 @@ class Blobfinder(SensorDevice):
         readings = self.group.readings
         assert isinstance(readings, Blobs)
         seen = self.chosen(readings.seen(self.row))
-        head = BLOBS.pack(readings.width, readings.height, len(seen), len(seen))
-        return ((1, head + seen.astype(BLOB).tobytes()),)
+        message = BLOBS.rows(1, blobs=len(seen))
+        message["width"], message["height"] = readings.width, readings.height
+        message["blobs"] = seen
+        return ((1, message.tobytes()),)
 
     def chosen(self, seen: Any) -> Any:
         """The blobs that a channel takes, with its number."""
@@ -107,6 +113,7 @@ class Blobfinder(SensorDevice):
         raise Refused  # the camera has no imager to be set
 
 
+@cache
 def exactly(color: int) -> Channel:
     """The channel that takes one colour 0xRRGGBB alone."""
     red, green, blue = color >> 16 & 255, color >> 8 & 255, color & 255

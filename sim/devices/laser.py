@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Scans
 from sim.devices.device import Context, Refused, Values, finite, flat_pose
@@ -17,15 +16,12 @@ from sim.devices.encoding import Encodings, told
 from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
-HEAD = struct.Struct(">ffffII")
-COUNTS = struct.Struct(">II")
-ID = bytes(4)
-POSE = struct.Struct(">ddd")
-
 WITH_POSE = "scan_pose"
 """The property by which scans come with the robot's pose (Player's SCANPOSE)."""
 SCAN, SCAN_POSE = 1, 2
 """Subtypes of the laser's data."""
+PART = layouts.data(Interface.LASER, SCAN)
+TAIL, TAIL_WITH_POSE = PART.tail, layouts.data(Interface.LASER, SCAN_POSE).tail
 
 SLACK = 1e-3
 """Of a step between two rays: angles travel as float32, which know a ray's place to about 1e-5."""
@@ -71,11 +67,12 @@ class Laser(SensorDevice):
         return readings
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        scan = self.payload("scans") if self.cut == self.whole else self.encode()
+        scan = self.payload("scans") if self.cut is self.whole else self.encode()
         if not self.with_pose:
             return ((SCAN, scan),)
-        pose = POSE.pack(*self.context.scenery.odometry.poses[self.robot.index].tolist())
-        return ((SCAN_POSE, scan + pose),)
+        pose = self.context.scenery.odometry.poses[self.robot.index].tolist()
+        number = TAIL.unpack(scan[-TAIL.size :])
+        return ((SCAN_POSE, scan[: -TAIL.size] + TAIL_WITH_POSE.pack(*number, *pose)),)
 
     def encode(self) -> bytes:
         """The part of the scan that has been configured."""
@@ -83,14 +80,13 @@ class Laser(SensorDevice):
         rays = slice(cut.first, cut.last + 1, cut.step)
         seen = scans.ranges[self.row, rays]
         hit = (scans.hits[self.row, rays] >= 0) & (seen <= cut.max_range)
-        ranges = told(np.minimum(seen, cut.max_range), hit, cut.max_range)
-        least, most, step = self.angles()
-        head = HEAD.pack(least, most, step, cut.max_range, len(ranges), len(ranges))
-        marks = b""
+        part = PART.rows(1, ranges=len(seen), intensity=len(seen) if cut.intensity else 0)
+        part["min_angle"], part["max_angle"], part["resolution"] = self.angles()
+        part["max_range"] = cut.max_range
+        part["ranges"] = told(np.minimum(seen, cut.max_range), hit, cut.max_range)
         if cut.intensity:
-            marks = hit.astype(np.uint8).tobytes()
-        intensities = COUNTS.pack(len(marks), len(marks)) + marks + bytes(-len(marks) % 4)
-        return head + ranges.astype(">f4").tobytes() + intensities + ID
+            part["intensity"] = hit
+        return part.tobytes()
 
     def angles(self) -> tuple[float, float, float]:
         """The first ray's bearing, the last one's, and the angle from ray to ray."""
@@ -102,7 +98,8 @@ class Laser(SensorDevice):
         if name == "geometry":
             return {"pose": flat_pose(*self.mount), "size": self.size}
         if name == "set_config":
-            self.cut = self.granted(values)
+            cut = self.granted(values)
+            self.cut = self.whole if cut == self.whole else cut
             return self.configuration()
         if name == "get_config":
             return self.configuration()

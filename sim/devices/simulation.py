@@ -214,7 +214,7 @@ class Simulation:
 
     def paint(self, target: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next tick on."""
-        self.context.scenery.repaint(target, color)
+        self.context.scenery.set_color(target, color)
         target.record.properties["color"] = f"#{color:06x}"
 
 
@@ -246,3 +246,8 @@ def parse_color_value(data: bytes) -> int:
     if not (isinstance(text, str) and re.fullmatch("#[0-9a-fA-F]{6}", text)):
         raise ValueError(f"a colour is four floats or #rrggbb, not {text!r:.40}")
     return int(text[1:], 16)
+
+
+def devices(context: Context, robot: Robot) -> Iterable[Simulation]:
+    """Every robot's program can report; what else it may do its model says."""
+    return [Simulation(context, robot, robot.model.simulation == "full")]

@@ -173,19 +173,19 @@ class Crew:
     def end_pause(self, waited: float) -> None:
         """End whoever has paused the world for too long, unless it goes on in the meantime."""
         switchboard = self.router.switchboard
-        pauser = switchboard.pauser
+        paused_by = switchboard.paused_by
         self.router.take(self.server.poll(0))
-        if pauser is None or switchboard.pauser is not pauser:
+        if paused_by is None or switchboard.paused_by is not paused_by:
             return
         error = f"kept the world paused for {waited:.0f} s"
-        drivers = list(self.clocks.driven.get(pauser, {}).values())
+        drivers = list(self.clocks.driven.get(paused_by, {}).values())
         for driver in drivers:
             self.say(f"{driver.record.name}: hung: {error}, its robot stops")
             self.abandon(driver, error)
         if not drivers:
-            self.say(f"{pauser.peer}: {error}: its connection is closed")
-        if pauser.is_open:
-            self.router.close(pauser)
+            self.say(f"{paused_by.peer}: {error}: its connection is closed")
+        if paused_by.is_open:
+            self.router.close(paused_by)
 
     def abandon(self, driver: Driver, error: str) -> None:
         """Wait for a controller no more: end its process, close its connections."""

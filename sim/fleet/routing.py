@@ -67,7 +67,7 @@ class Router:
         """Obey or answer one message, or take note of where a connection has come to."""
         match event:
             case DataRequested():
-                if connection is self.switchboard.pauser:
+                if connection is self.switchboard.paused_by:
                     self.answer_pauser(connection)
                 if self.outsiders.expected:
                     self.first_reading(connection)
@@ -116,11 +116,11 @@ class Router:
 
     def command(self, connection: Connection, event: Command) -> None:
         """A command goes to its device, and who gave it commands the robot."""
-        pauser = self.switchboard.pauser
+        paused_by = self.switchboard.paused_by
         device = self.switchboard.command(connection, event)
-        if self.switchboard.pauser is not pauser:
+        if self.switchboard.paused_by is not paused_by:
             self.paused_at = monotonic()
-            if self.switchboard.pauser is connection:
+            if self.switchboard.paused_by is connection:
                 self.answer_pauser(connection)
         if event.addr.interf in MOVING:
             device.robot.driver.commander = connection

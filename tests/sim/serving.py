@@ -10,10 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Self
 
+from sim.build import load
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
 from sim.result import Result
-from sim.worldfile import load
 from tests.patience import PATIENCE
 
 World = Callable[..., Path]

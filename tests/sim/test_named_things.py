@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.worldfile import WorldError, load
+from sim.build import load
+from sim.worldfile import WorldError
 from tests.sim.raw_client import ACK, NACK, SIMULATION, RawClient, pulling, text
 from tests.sim.serving import Serving, write_world
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import troupe
+from sim.build import load
 from sim.rehearsal import is_served, rehearse
-from sim.worldfile import load
 from tests.sim.serving import Serving, World, write_world
 
 

@@ -17,11 +17,11 @@ import troupe
 from player.codes import Interface, MessageType
 from player.messages import MessageSpec, specs
 from player.xdr import Array, Octets, Record, Scalar, Text
+from sim.build import load
 from sim.devices import position2d
 from sim.devices.laser import Laser
 from sim.devices.position2d import Position2d
 from sim.filming import Film, open_recorder
-from sim.worldfile import load
 from tests.sim.raw_client import (
     ACK,
     LASER,

@@ -20,7 +20,7 @@ from troupe.usage import UsageError, told
 from troupe.view_option import parse_address
 
 if TYPE_CHECKING:
-    from troupe.live.opening import View
+    from troupe.live.opening import LiveView
     from troupe.running import Run
 
 
@@ -204,7 +204,7 @@ def run(
 
 @dataclass(frozen=True)
 class Watched:
-    """How a run is to be shown in a browser: see `troupe.live.opening.View`."""
+    """How a run is to be shown in a browser: see `troupe.live.opening.LiveView`."""
 
     address: str | None
     browser: bool
@@ -212,14 +212,14 @@ class Watched:
     paused: bool = False
     stays: bool = False
 
-    def open(self, screen: Screen, again: bool) -> View:
+    def open(self, screen: Screen, again: bool) -> LiveView:
         """The view, not yet entered."""
-        from troupe.live.opening import View  # noqa: PLC0415 - loaded for those who watch
+        from troupe.live.opening import LiveView  # noqa: PLC0415 - loaded for those who watch
 
         host, port = (
             ("127.0.0.1", 0) if self.address is None else parse_address("view", self.address)
         )
-        return View(
+        return LiveView(
             host,
             port,
             browser=self.browser,
