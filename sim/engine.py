@@ -213,6 +213,7 @@ class Engine:
                 self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
         self.sensing.sense(self.ticks, self.time)
+        self.entry.serve_held()
 
     def announce(self) -> None:
         """Say what a world is going to do in which nobody drives."""

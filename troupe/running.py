@@ -114,6 +114,7 @@ def run_file(
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
         from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
+        from sim.rehearsal import is_served, rehearse  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.warm import warm_once  # noqa: PLC0415
@@ -134,6 +135,8 @@ def run_file(
             patience=patience or math.inf,
             fail_fast=fail_fast,
         )
+        if is_served(loaded, address, controllers):
+            rehearse(loaded, told.seed)
         interrupts.hold()
         if own:
             ending.callback(interrupts.release)

@@ -29,6 +29,7 @@ from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
+from sim.rehearsal import is_served, rehearse
 from troupe.readings import Place, Readings, find_sensor, readings_of
 from troupe.usage import UsageError
 from troupe.world import World, loaded_world
@@ -102,6 +103,8 @@ class Simulation:
         )
         self._say = say
         self._own = True
+        if is_served(self._loaded, listen, self._controllers):
+            rehearse(self._loaded, self._settings.seed)
         self._begin()
 
     @classmethod
