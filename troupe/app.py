@@ -13,6 +13,7 @@ from troupe.commands.disperse import disperse
 from troupe.commands.import_ import import_
 from troupe.commands.log import log
 from troupe.commands.print_ import print_
+from troupe.commands.render import render
 from troupe.commands.report import report
 from troupe.commands.run import run
 from troupe.commands.schema import schema
@@ -49,6 +50,7 @@ def options(
 app.command("run", cls=ViewCommand)(run)
 app.command("view")(view)
 app.command("sweep")(sweep)
+app.command("render")(render)
 app.command("report")(report)
 app.command("worlds")(worlds)
 app.command("check")(check)

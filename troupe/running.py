@@ -7,13 +7,12 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.fleet.fleet import Fleet
 from sim.interrupts import Interrupts
-from troupe.interrupts import last_act
+from troupe.filmed import Filmed, Size
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 EachTick = Callable[["Engine"], None]
 Setting = Mapping[str, Any] | Sequence[str]
 Address = str | tuple[str, int]
-Size = str | tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -87,13 +85,7 @@ def run_file(
     """
     check_numbers(seed, duration, realtime, patience)
     address = None if listen is None else parse_listen(listen)
-    check_pictures(
-        {"video fps": video_fps, "video speed": video_speed},
-        {"video size": video_size, "video show": video_show},
-        at,
-        video,
-        picture,
-    )
+    filmed = Filmed(video, video_fps, video_speed, video_size, video_show, picture, at)
     interrupts, own = interrupts or Interrupts(), interrupts is None
     begun = False
     keep: list[Callable[[str], None]] = []  # the log, once it is open, is told what people are
@@ -112,7 +104,6 @@ def run_file(
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
-        from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.warm import warm_once  # noqa: PLC0415
@@ -135,37 +126,8 @@ def run_file(
         interrupts.hold()
         if own:
             ending.callback(interrupts.release)
-        from sim.video.layers import parse_layers  # noqa: PLC0415
-        from sim.video.projection import parse_size  # noqa: PLC0415
-
-        size = parse_size(video_size) if isinstance(video_size, str) else video_size
-        show = parse_layers(video_show) if isinstance(video_show, str) else video_show
         check_log(loaded, log, log_sensors)
-        film = None
-        if picture is not None:
-            still = open_still(Path(picture), loaded, at=at, size=size, show=show)
-            film = Film(still=still)
-        if video is not None:
-            from sim.video.encode import abandon  # noqa: PLC0415
-
-            ending.enter_context(last_act(partial(abandon, Path(video).resolve())))
-            video_recorder = open_recorder(
-                Path(video),
-                loaded,
-                fps=video_fps,
-                speed=video_speed,
-                size=size,
-                show=show,
-            )
-            film = Film(video_recorder, None if film is None else film.still)
-
-            def give_up(kind: object, *_: object, film: Film = film) -> None:
-                if kind and not begun and film.recorder is not None:
-                    film.recorder.close()  # no frames: no file
-
-            ending.push(give_up)
-            if video_recorder.notice:
-                say(video_recorder.notice)
+        film = filmed.open(loaded, ending, say, lambda: begun)
         recorder = open_log_of(loaded, told, log, log_sensors, as_text(settings))
         if recorder is not None:
             keep.append(recorder.line)
@@ -211,33 +173,15 @@ def run_file(
                 break
             told = replace(told, seed=seed)
             fleet = Fleet(show=say)
-    taken = None if film is None or film.still is None else film.still.time
-    if taken is not None and at is not None and taken < at - 1e-9:
-        say(f"{picture}: the run ended at {taken:g} s, and that is what the picture shows")
+    short = filmed.shortfall(film)
+    if short is not None:
+        say(short)
     return Run(
         result,
         None if film is None else film.error,
         None if recorder is None else recorder.writer.error,
         None if recorder is None else recorder.writer.path,
     )
-
-
-def check_pictures(
-    of_video: Mapping[str, object],
-    of_both: Mapping[str, object],
-    at: float | None,
-    video: object,
-    picture: object,
-) -> None:
-    """Raises UsageError for options of a video or a picture that is not to be made."""
-    for name, given in of_video.items():
-        if given is not None and video is None:
-            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
-    for name, given in of_both.items():
-        if given is not None and video is None and picture is None:
-            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
-    if at is not None and picture is None:
-        raise UsageError("at: there is no picture to be made; name its file, as run.png")
 
 
 def check_numbers(

@@ -53,6 +53,7 @@ class Context:
     puts: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
     # robots that are to be put at poses, by the robot whose client asked
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    changes: int = 0  # how many there have been: what they bring about is looked for after one
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
     def admit(self, robot: Robot) -> None:
@@ -93,6 +94,7 @@ class Context:
         failed = []
         while self.pending:
             pending, self.pending = self.pending, {}
+            self.changes += len(pending)
             for robot in sorted(pending):
                 for action, client in pending[robot].values():
                     try:

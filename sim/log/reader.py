@@ -202,16 +202,21 @@ class LogReader:
         """A topic's messages with start <= log time < end (ns), in order, those alike together."""
         if topic not in self.topics:
             return
-        number = self.topics[topic][0]
         for chunk in self.chunks:
             if (start is not None and chunk.end < start) or (
                 end is not None and chunk.start >= end
             ):
                 continue
-            try:
-                yield from self._runs(chunk, number, start, end)
-            except DAMAGES as error:
-                raise self.damaged(error) from None
+            yield from self.runs_of(chunk, topic, start, end)
+
+    def runs_of(
+        self, chunk: ChunkPlace, topic: str, start: int | None = None, end: int | None = None
+    ) -> Iterator[Run]:
+        """The same of one chunk."""
+        try:
+            yield from self._runs(chunk, self.topics[topic][0], start, end)
+        except DAMAGES as error:
+            raise self.damaged(error) from None
 
     def messages(
         self, topic: str, start: int | None = None, end: int | None = None

@@ -33,8 +33,6 @@ NOUNS = {"scan": "scan", "intensities": "scan", "elements": "range", "blobs": "b
 OF_ROBOTS = ("odometry", "commands")
 """What a log can hold of all robots besides their sensors' readings."""
 LEVELS = {"info": 20}
-LOOK = 16
-"""Ticks after which one looks for news even where no client is connected."""
 
 
 def open_log(
@@ -101,6 +99,7 @@ class Recorder:
         self.told = -1  # the stage's count of commands when they were last looked at
         self.drawn: dict[int, list[Any]] = {}
         self.flags: Any = self
+        self.known = (-1, -1)  # changes and ends that there had been when news were looked for
         self.groups: dict[int, SensorGroup | None] = {}
         self.reach: dict[tuple[int, int], float] = {}
         self.floor: Floor | None = None
@@ -162,8 +161,11 @@ class Recorder:
         """Write the rest and the result; the file is whole."""
         if engine is not None and self.writer.error is None:
             events: list[Event] = self.entered(engine)
-            self.changed(engine, events)
-            self.reported(engine, events)
+            self.take_lines(events)
+            self.recolored([robot.color for robot in engine.robots], events)
+            self.reported(engine, events, engine.ticks + 1)
+            if engine.ticks:
+                events.append(last_event(engine))
             for event in events:
                 self.writer.put(event, 0)
         rest = {} if result is None else {"result.json": dumps(result.as_json()).encode()}
@@ -215,9 +217,7 @@ class Recorder:
 
     def changed(self, engine: Engine, events: list[Event]) -> None:
         """Events of what is new besides the bodies' motion."""
-        if self.lines:
-            lines, self.lines = self.lines, []
-            events += [self.line_event(*line) for line in lines]
+        self.take_lines(events)
         colors = [robot.color for robot in engine.robots]
         if colors != self.colors:
             self.recolored(colors, events)
@@ -226,10 +226,18 @@ class Recorder:
         if engine.sensing.flags is not self.flags:
             self.flags = engine.sensing.flags
             events.append(sensed_event(engine))
-        if engine.server.connections or engine.functions.robots or engine.ticks % LOOK == 0:
-            self.reported(engine, events)
+        known = engine.context.changes, engine.drivers.ends
+        if known != self.known:
+            self.known = known
+            self.reported(engine, events, engine.ticks)
 
-    def reported(self, engine: Engine, events: list[Event]) -> None:
+    def take_lines(self, events: list[Event]) -> None:
+        """Events of lines for people."""
+        if self.lines:
+            lines, self.lines = self.lines, []
+            events += [self.line_event(*line) for line in lines]
+
+    def reported(self, engine: Engine, events: list[Event], tick: int) -> None:
         """Events of what clients bring about: what is said, reported and drawn; their ends."""
         time = self.time
         said = sum(map(len, self.said))
@@ -241,8 +249,8 @@ class Recorder:
             events += self.reports(time)
         states = [record.state for record in self.records]
         if states != self.states:
-            events += self.controllers(states, time)
-        events += self.drawings(engine.robots, engine.ticks)
+            events += self.controllers(states, tick)
+        events += self.drawings(engine.robots, tick)
 
     def line_event(self, time: float, text: str) -> Event:
         name = "troupe"
@@ -277,13 +285,14 @@ class Recorder:
             self.properties[robot] = dict(record.properties)
         return events
 
-    def controllers(self, states: list[Any], time: float) -> list[Event]:
+    def controllers(self, states: list[Any], tick: int) -> list[Event]:
         events = []
         for robot, (now, before) in enumerate(zip(states, self.states, strict=True)):
             if now == before:
                 continue
             record = self.records[robot]
             values = {
+                "tick": tick,
                 "robot": robot,
                 "name": record.name,
                 "state": now,
@@ -291,7 +300,7 @@ class Recorder:
                 "exit_code": record.exit_code,
                 "error": record.error,
             }
-            events.append(Event(time, "/troupe/controllers", "troupe_msgs/Controller", values))
+            events.append(Event(self.time, "/troupe/controllers", "troupe_msgs/Controller", values))
         self.states = states
         return events
 
@@ -440,6 +449,22 @@ def hands_event(engine: Engine) -> Event:
         "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
+
+
+def last_event(engine: Engine) -> Event:
+    """How all stood when the run was over: clients may have moved and coloured robots since."""
+    stage, floor = engine.scenery.stage, engine.scenery.floor
+    values = {
+        "tick": engine.ticks,
+        "coverage": floor.coverage if floor.painted_area > 0.0 else math.nan,
+        "colors": [robot.color for robot in engine.robots],
+        "contacts": stage.contact_counts,
+        "stalls": stage.stalls,
+        "velocities": stage.velocities.reshape(-1),
+        "poses": stage.poses.reshape(-1),
+        "movable_poses": stage.movable_poses.reshape(-1),
+    }
+    return Event(engine.time, "/troupe/last", "troupe_msgs/State", values)
 
 
 def sensed_event(engine: Engine) -> Event:

@@ -109,7 +109,9 @@ def test_a_picture_that_cannot_be_written_is_told_and_the_run_is_whole(
 def test_who_has_finished_is_settled_and_has_no_fan(world: Path) -> None:
     film, views = Film(), []
     settings = Settings(seed=1, duration=1.0)
-    run_world(load(world), settings, each_tick=lambda engine: views.append(film.view(engine)))
+    run_world(
+        load(world), settings, each_tick=lambda engine: views.append(film.look(engine).frame())
+    )
     last = views[-1]
     assert list(last.settled) == [True, False]
     assert {scan.robot for scan in last.scans} == {1}  # type: ignore[union-attr]

@@ -122,6 +122,7 @@ def test_both_readers_find_every_topic_and_its_messages(
     found = read(path)
     assert set(found) == {
         "/clock", "/tf", "/map", "/rosout", "/troupe/state", "/troupe/walls", "/troupe/bodies",
+        "/troupe/last",
         "/troupe/entries", "/troupe/sensed", "/troupe/commands", "/troupe/said",
         "/troupe/properties",
         *(f"/{name}/{what}" for name in ("one", "twotwo")

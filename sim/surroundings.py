@@ -1,0 +1,97 @@
+"""What robots perceive of a world: all that stands and moves, and the sensors that look at it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensors.scene import Scene
+from sensors.suite import Suite
+from sim.stage.geometry import outline
+
+if TYPE_CHECKING:
+    from sim.stage.layout import Layout
+    from sim.worldfile.schema import Model
+
+Floats = NDArray[np.float64]
+
+
+class Surroundings:
+    """The sensors' scene of a world, and the sensors of its robots, by robot index.
+
+    What is perceived follows from where all stand, the seed and the tick alone: whoever has these
+    perceives what the run's robots did.
+    """
+
+    def __init__(self, layout: Layout, seed: int) -> None:
+        self.scene = Scene()
+        self.suite = Suite(self.scene, seed)
+        self.count = 0
+        """Robots that have entered."""
+        self._entities: NDArray[np.int64] = np.zeros(8, np.int64)  # with room for more robots
+        self._add_walls(layout)
+        self.movables = np.array(
+            [
+                self._add_body(movable.body, movable.color, movable.height, 0, movable.pose)
+                for movable in layout.movables
+            ],
+            np.int64,
+        )
+
+    def add_robot(self, name: str, model: Model, pose: Any) -> int:
+        """A robot enters: what others see of it, and its sensors. Its entity in the scene."""
+        body = model.body
+        entity = self._add_body(body, body.color, body.height, model.fiducial or 0, pose)
+        if self.count == len(self._entities):
+            self._entities = np.concatenate([self._entities, np.zeros_like(self._entities)])
+        self._entities[self.count] = entity
+        self.count += 1
+        self.suite.add_robot(entity, name, model.sensors)
+        return entity
+
+    @property
+    def entities(self) -> NDArray[np.int64]:
+        """(n,) the entity in the scene of each robot."""
+        return self._entities[: self.count]
+
+    def sensors_of(self, robot: int) -> int:
+        """How many sensors a robot has."""
+        firsts = [*self.suite.first_slot[robot : robot + 2], self.suite.slots]
+        return firsts[1] - firsts[0]
+
+    def refresh(self, poses: Floats, movable_poses: Floats) -> None:
+        """What can be seen is where it is now: poses of robots (n, 3) and of movables (m, 3)."""
+        if self.count:
+            self.scene.move(self.entities, poses)
+        if len(self.movables):
+            self.scene.move(self.movables, movable_poses)
+        self.scene.refresh()
+
+    def _add_walls(self, layout: Layout) -> None:
+        """One entity for what stands of each colour and height."""
+        scene, entities = self.scene, {}
+        faces = list(zip(layout.segment_colors, layout.segment_heights, strict=True))
+        rounds = [(solid, solid.circle) for solid in layout.solids if solid.circle is not None]
+        for look in dict.fromkeys([*faces, *((solid.color, solid.height) for solid, _ in rounds)]):
+            color, height = look
+            entity = scene.add_entity(color=int(color), height=float(height))
+            entities[look] = entity
+            same = (layout.segment_colors == color) & (layout.segment_heights == height)
+            scene.add_segments(entity, layout.segments[same])
+        for solid in layout.insides:
+            scene.add_solid(entities[solid.color, solid.height], solid.vertices)
+        for solid, (x, y, radius) in rounds:
+            scene.add_circle(entities[solid.color, solid.height], radius, (x, y))
+
+    def _add_body(self, body: Any, color: int, height: float, fiducial: int, pose: Any) -> int:
+        """A body that sensors see; its entity."""
+        entity = self.scene.add_entity(
+            color=color, height=height, fiducial=fiducial, pose=tuple(map(float, pose))
+        )
+        if body.shape == "circle":
+            self.scene.add_circle(entity, body.radius)
+        else:
+            self.scene.add_polygon(entity, outline(body))
+        return entity
