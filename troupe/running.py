@@ -8,12 +8,14 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from sim.fleet.fleet import Fleet
 from sim.interrupts import Interrupts
 from troupe.filmed import Filmed, Size
 from troupe.usage import UsageError
+from troupe.usage import told as told_error
 
 if TYPE_CHECKING:
     from sim.engine import Engine, Settings
@@ -37,11 +39,13 @@ class Run:
     video_error: str | None
     log_error: str | None = None
     log: Path | None = None
+    report_error: str | None = None
 
     @property
     def broken(self) -> bool:
         """Whether something that was asked for besides the result is not whole."""
-        return self.video_error is not None or self.log_error is not None
+        errors = (self.video_error, self.log_error, self.report_error)
+        return any(error is not None for error in errors)
 
 
 def run_file(
@@ -66,6 +70,7 @@ def run_file(
     warn: Callable[[str], None] | None = None,
     log: str | Path | None = None,
     log_sensors: Sequence[str] | None = None,
+    report: str | Path | None = None,
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     interrupts: Interrupts | None = None,
@@ -127,6 +132,13 @@ def run_file(
         if own:
             ending.callback(interrupts.release)
         check_log(loaded, log, log_sensors)
+        if report is not None:
+            from troupe.report.log import check_page  # noqa: PLC0415
+
+            check_page(Path(report))
+            if log_of(loaded, log, None)[0] is None:  # a report is made of a log
+                folder = ending.enter_context(TemporaryDirectory(prefix="troupe-report-"))
+                log = Path(folder) / "run.mcap"
         film = filmed.open(loaded, ending, say, lambda: begun)
         recorder = open_log_of(loaded, told, log, log_sensors, as_text(settings))
         if recorder is not None:
@@ -173,6 +185,7 @@ def run_file(
                 break
             told = replace(told, seed=seed)
             fleet = Fleet(show=say)
+        report_error = None if report is None else reported(recorder, Path(report))
     short = filmed.shortfall(film)
     if short is not None:
         say(short)
@@ -181,7 +194,24 @@ def run_file(
         None if film is None else film.error,
         None if recorder is None else recorder.writer.error,
         None if recorder is None else recorder.writer.path,
+        report_error,
     )
+
+
+def reported(recorder: Recorder | None, path: Path) -> str | None:
+    """Write the report of the run that has been kept; why there is none, if so."""
+    from sim.log.errors import LogError  # noqa: PLC0415
+    from troupe.log import Log  # noqa: PLC0415
+    from troupe.report.log import write_report  # noqa: PLC0415
+
+    assert recorder is not None
+    try:
+        write_report(Log(recorder.writer.path), path)
+    except OSError as error:
+        return f"{path}: there is no report: {told_error(error)}"
+    except LogError as error:
+        return f"{path}: there is no report: {error}"
+    return None
 
 
 def check_numbers(

@@ -14,7 +14,7 @@ from sim.video.layers import SHOWN, Layer
 from sim.video.projection import check_size, default_size, project
 from sim.video.scans import RING, RING_WIDTH
 from sim.video.text import Lettering, printable
-from sim.video.trails import Trails
+from sim.video.trails import Trails, Ways
 from sim.video.view import MOST_SCANS, Backdrop, FrameView, Scan, Shape, Sighting
 
 FILLED, LINED = 8, 20
@@ -58,7 +58,7 @@ class Composer:
         self.projection = project(backdrop.size, outlines, self.size, axes=axes)
         self.lettering = Lettering(self.projection.unit)
         self.bodies = Bodies(self.projection)
-        self.trails = Trails(self.projection)
+        self.trails: Trails | Ways = Trails(self.projection)
         self._movables = Bodies(self.projection)
         self._names: list[str] = []
         self._show = show

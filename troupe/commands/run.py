@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from sim.interrupts import Interrupts
+from sim.printable import printable_lines
 from troupe.commands import film_options as options
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
@@ -79,6 +80,14 @@ def run(
             metavar="all|NAMES",
             help="Keep readings in the log as well: all, or laser,blobfinder,odometry,...",
             show_default="as the world says, or none",
+        ),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.html",
+            help="Make a page of what came out: pictures, plots, what happened.",
+            show_default="none is made",
         ),
     ] = None,
     realtime: Annotated[
@@ -158,6 +167,7 @@ def run(
         at=at,
         log=log,
         log_sensors=None if log_sensors is None else parse_names(log_sensors),
+        report=report,
     )
 
 
@@ -261,8 +271,9 @@ def run_and_show(
 
 def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> None:
     """Print the result, to the last byte; whoever reads it may have enough before."""
-    if done.video_error is not None:
-        print(done.video_error, file=sys.stderr)
+    for error in (done.video_error, done.report_error):
+        if error is not None:
+            print(printable_lines(error), file=sys.stderr)
     with contextlib.suppress(ReaderGone):
         if as_json:
             from sim.strictjson import dumps  # noqa: PLC0415
