@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,15 @@ from numpy.typing import NDArray
 from sim.filming import movables_of
 from sim.log import contents
 from sim.log.errors import LogError
-from sim.log.reader import LogReader
+from sim.log.reader import DAMAGES, LogReader
 from sim.log.states import State, States, state_of
 from sim.log.track import Paint, Track
 from sim.log.world import loaded_again, own_sensors
 from sim.surroundings import Surroundings
+from sim.video.view import DrawingKind
 from sim.view.present import ENDED, Present
+
+KINDS = get_args(DrawingKind)
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class Playback:
         files = reader.attachments()
         self.loaded = loaded_again(files, reader.path, reader.about.get("title"))
         self.own = own_sensors(files)
-        self.seed = int(reader.about["seed"])
+        self.seed = reader.whole("seed")
         self.interval = self.loaded.world.clock.interval
         self.states = States(reader, self.interval)
         if not len(self.states):
@@ -62,12 +65,17 @@ class Playback:
         self._state: dict[int, str] = {}
         self._figures: dict[int, list[Figure]] = {}
         self._read: list[tuple[int, int]] = []
-        self._tracks: list[Track[Any]] = [
-            Track(self._sayings(), self._take_said, self._said.clear),
-            Track(self._drivers(), self._take_state, self._state.clear),
-            Track(self._drawn(), self._take_drawn, self._figures.clear),
-            Track(self._sensed(), self._take_sensed, lambda: self._take_sensed(())),
-        ]
+        try:
+            self._tracks: list[Track[Any]] = [
+                Track(self._sayings(), self._take_said, self._said.clear),
+                Track(self._drivers(), self._take_state, self._state.clear),
+                Track(self._drawn(), self._take_drawn, self._figures.clear),
+                Track(self._sensed(), self._take_sensed, lambda: self._take_sensed(())),
+            ]
+        except LogError:
+            raise
+        except DAMAGES as error:
+            raise reader.damaged(error) from None
         self._paint = Paint(reader)
 
     @cached_property
@@ -172,6 +180,8 @@ class Playback:
 
     def _drawn(self) -> Any:
         for _, one in self.reader.messages("/troupe/drawings"):
+            if any(shape["kind"] not in KINDS for shape in one["shapes"]):
+                raise ValueError("a drawing is of no known kind")
             figures = [
                 Figure(
                     shape["kind"],

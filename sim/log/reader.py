@@ -158,6 +158,23 @@ class LogReader:
 
     # --- what is beside the messages
 
+    def whole(self, name: str) -> int:
+        """A number that the log tells of its run, such as its seed."""
+        try:
+            return int(self.about[name])
+        except (KeyError, ValueError):
+            raise self.damaged(f"its {name} cannot be read") from None
+
+    def number(self, name: str) -> float:
+        """Likewise a number that need not be whole; above 0."""
+        try:
+            found = float(self.about[name])
+        except (KeyError, ValueError):
+            found = 0.0
+        if not 0.0 < found < float("inf"):
+            raise self.damaged(f"its {name} cannot be read")
+        return found
+
     def metadata(self, name: str) -> dict[str, str]:
         """The texts of a metadata record; none where there is no such record."""
         place = self._metadata.get(name)

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import troupe
 from sim.interrupts import Interrupts
+from sim.log.container import LogFile
 from sim.log.playback import Playback
 from sim.log.reader import LogReader
 from tests.troupe.own_sensor import example
@@ -230,6 +231,18 @@ def test_options_that_cannot_be_are_refused(kept: Kept, options: list[str], mess
 
 def bad_logs(kept: Kept) -> dict[str, tuple[bytes, str]]:
     """Files that are no logs of this version, and what is said of them."""
+    later = kept.folder / "later.mcap"
+    file = LogFile(later, "troupe 99.0")
+    file.note("troupe", {"format": "99", "version": "\x1b[31m99.0"})
+    file.finish()
+    file.close()
+    lame = kept.folder / "lame.mcap"
+    file = LogFile(lame, "troupe")
+    file.note("troupe", {"format": "1", "seed": "many"})
+    for name, data in troupe.Log(kept.log)._reader.attachments().items():
+        file.attach(name, "", data)
+    file.finish()
+    file.close()
     foreign = kept.folder / "foreign.mcap"
     with foreign.open("wb") as file:
         writer = Writer(file)
@@ -241,19 +254,61 @@ def bad_logs(kept: Kept) -> dict[str, tuple[bytes, str]]:
         "empty.mcap": (b"", "is not an MCAP file"),
         "cut.mcap": (whole[: len(whole) // 2], "log recover"),
         "foreign.mcap": (foreign.read_bytes(), "not written by Troupe"),
+        "later.mcap": (later.read_bytes(), "later version of Troupe"),
+        "lame.mcap": (lame.read_bytes(), "its seed cannot be read"),
     }
 
 
-@pytest.mark.parametrize("name", ["text.mcap", "empty.mcap", "cut.mcap", "foreign.mcap"])
-def test_what_is_no_log_is_told_with_what_to_do(kept: Kept, name: str) -> None:
-    data, message = bad_logs(kept)[name]
-    path = kept.folder / f"bad-{name}"
-    path.write_bytes(data)
-    done = CliRunner().invoke(app, ["render", str(path), "--picture", str(kept.folder / "x.svg")])
+@pytest.mark.parametrize(
+    "words",
+    [("render", "--picture", "x.svg"), ("report", "-o", "x.html"), ("view", "--no-open")],
+    ids=lambda words: words[0],
+)
+def test_what_is_no_log_is_told_with_what_to_do(
+    kept: Kept, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(kept.folder)
+    for name, (data, message) in bad_logs(kept).items():
+        path = kept.folder / f"bad-{name}"
+        path.write_bytes(data)
+        done = CliRunner().invoke(app, [words[0], str(path), *words[1:]])
+        assert done.exit_code == 2, name
+        assert message in done.stderr
+        assert "\x1b" not in done.output
+    done = CliRunner().invoke(app, [words[0], "missing.mcap", *words[1:]])
     assert done.exit_code == 2
-    assert message in done.stderr
-    assert "\x1b" not in done.stderr
-    assert not (kept.folder / "x.svg").exists()
+    assert "missing.mcap" in done.stderr
+    assert not [path for path in kept.folder.iterdir() if path.name.startswith("x.")]
+
+
+def test_a_log_with_damage_inside_is_told_and_what_came_before_is_kept(kept: Kept) -> None:
+    data = bytearray(kept.log.read_bytes())
+    chunk = troupe.Log(kept.log)._reader.chunks[-1]
+    data[chunk.at + 80] ^= 0xFF
+    path, video = kept.folder / "damaged.mcap", kept.folder / "damaged.mp4"
+    path.write_bytes(data)
+    with pytest.raises(LogError, match="damaged"):
+        render(path, Filmed(video, speed=4.0))
+
+
+def test_names_of_escape_codes_print_none(tmp_path: Path) -> None:
+    world = {"size": [5, 5], "duration": 1, "robots": [{"name": "a", "model": "m"}],
+             "models": {"m": {"body": {"shape": "circle", "radius": 0.3}}}}  # fmt: skip
+    world["robots"][0]["pose"] = [2, 2, 0]
+    with troupe.Simulation(world, log=tmp_path / "run.mcap") as sim:
+        sim._engine.robots[0].record.name = "\x1b[31mred"  # no world file may have it
+        sim.step(3)
+    log = str(tmp_path / "run.mcap")
+    for words in (
+        ["render", log, "--picture", str(tmp_path / "x.svg")],
+        ["report", log, "-o", str(tmp_path / "x.html")],
+        ["log", "info", log],
+    ):
+        done = CliRunner().invoke(app, words)
+        assert done.exit_code == 0, done.output
+        assert "\x1b" not in done.output
+    assert "\x1b" not in (tmp_path / "x.svg").read_text()
+    assert "\x1b" not in (tmp_path / "x.html").read_text()
 
 
 def test_a_log_that_is_not_there_is_told() -> None:

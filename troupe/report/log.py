@@ -65,8 +65,8 @@ def what_ran(log: Log, result: dict[str, Any] | None) -> str:
     """What ran, how it ended, and what repeats it."""
     about = log.about
     words = ["troupe", "run", about.get("world", ""), "--seed", about.get("seed", "")]
-    words += ["--duration", f"{float(about['duration']):g}"] if "duration" in about else []
-    for setting in json.loads(about.get("settings") or "[]"):
+    words += ["--duration", f"{log._reader.number('duration'):g}"]
+    for setting in settings_of(log):
         words += ["--set", setting]
     ended = (
         "was cut off: how it ended is not known"
@@ -99,6 +99,14 @@ def what_ran(log: Log, result: dict[str, Any] | None) -> str:
     )
     command = escaped(shlex.join(words))
     return f"<table>{cells}</table>\n{by_hand}<p>Again:</p><pre>{command}</pre>"
+
+
+def settings_of(log: Log) -> list[str]:
+    """The changes to the world with which it ran."""
+    try:
+        return [str(setting) for setting in json.loads(log.about.get("settings") or "[]")]
+    except (ValueError, TypeError):
+        raise log._reader.damaged("its settings cannot be read") from None
 
 
 def what_happened(log: Log) -> list[str]:
