@@ -18,8 +18,8 @@ sys.path.insert(0, str(ROOT))
 import troupe  # noqa: E402
 from gridworld.grid import Outcome, simulate  # noqa: E402
 from gridworld.regions import Region, load  # noqa: E402
+from sim.build import load as load_world  # noqa: E402
 from sim.result import Result  # noqa: E402
-from sim.worldfile import load as load_world  # noqa: E402
 
 WORLDS = (
     "corridor", "corridor_differential", "rooms", "rooms_differential", "maze", "spiral",

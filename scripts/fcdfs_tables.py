@@ -363,7 +363,7 @@ Uniform Dispersal Problem for Robotic Sensors", AAMAS 2019. Robot k enters at th
 2k - 1; the makespan is the first step at whose end all V cells are occupied; entering and settling
 are no travel. In the pictures active robots are arrows in their primary direction (dots before
 their first move), settled ones diamonds, and the door has a frame. How DFLF and BFLF are read is
-written with the rules, in `controllers/dispersal/rules.py`.
+written with the rules, in `controllers/dispersal/rules`.
 
 """
         + table_1(folder, given.runs)

@@ -5,21 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.stage.boundary import touchable
-from sim.stage.geometry import outline
+from sim.showing import backdrop_of, drawings_of, movables_of, shape_of
 from sim.video.layers import Layer, layers_of
-from sim.video.view import Backdrop, Shape
+from sim.video.snapshot import Shape
 from sim.view.present import ENDED, Present
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.engine import Engine
     from sim.video.recorder import Recorder
     from sim.video.still import Still
-    from sim.worldfile import LoadedWorld
 
 
 def open_recorder(
@@ -68,37 +67,6 @@ def shown(loaded: LoadedWorld, show: Iterable[str] | None) -> frozenset[Layer]:
     return layers_of(loaded.world.video.show if show is None else show)
 
 
-def backdrop_of(loaded: LoadedWorld) -> Backdrop:
-    """What never moves.
-
-    Of the boundary that which can be met: where a map has walls of its own along the edge, the
-    boundary behind them is not shown.
-    """
-    layout, world = loaded.layout, loaded.world
-    solids = [(solid.vertices, solid.color) for solid in layout.solids]
-    wall = world.boundary
-    if wall is not None and layout.raster is not None and wall.shape == "size":
-        count = len(layout.arena)
-        pieces = touchable(layout.raster, layout.size, wall.thickness)
-        solids = [(piece, wall.color) for piece in pieces] + solids[count:]
-    return Backdrop(
-        size=layout.size,
-        solids=solids,
-        doors=[door.rectangle for door in layout.doors],
-        title=world.name or loaded.path.stem,
-    )
-
-
-def shape_of(body: Any) -> Shape:
-    """A body's outline in its own frame, or its radius."""
-    return body.radius if body.shape == "circle" else outline(body)
-
-
-def movables_of(loaded: LoadedWorld) -> list[tuple[Shape, int]]:
-    """Shape and colour of every thing that can be pushed."""
-    return [(shape_of(movable.body), movable.color) for movable in loaded.layout.movables]
-
-
 def present_of(engine: Engine, movables: list[tuple[Shape, int]]) -> Present:
     """What there is to show of a run, now."""
     scenery, robots = engine.scenery, engine.robots
@@ -113,7 +81,7 @@ def present_of(engine: Engine, movables: list[tuple[Shape, int]]) -> Present:
         settled=np.array([robot.record.state in ENDED for robot in robots], bool),
         stalls=scenery.stage.stalls,
         said=[robot.record.said[-1] if robot.record.said else None for robot in robots],
-        figures=[robot.drawings for robot in robots],
+        drawings=drawings_of([robot.drawings for robot in robots], scenery.stage.poses),
         groups=scenery.suite.groups,
         movables=movables,
         movable_poses=scenery.stage.movable_poses,
@@ -170,11 +138,11 @@ class Film:
             return
         present = look()
         self.admit(present)
-        view = present.frame()
+        snapshot = present.snapshot()
         if video and self.recorder is not None:
-            self.recorder.frame(view, going_on=going_on)
+            self.recorder.frame(snapshot, going_on=going_on)
         if still and self.still is not None:
-            self.still.take(view)
+            self.still.take(snapshot)
 
     def admit(self, present: Present) -> None:
         """Make robots known that have entered."""
@@ -192,13 +160,13 @@ class Film:
 
     def end(self, present: Present | None) -> None:
         """Show how it ended, if it has begun, and complete the files."""
-        view = None
+        snapshot = None
         if present is not None:
             self.admit(present)
-            view = present.frame()
-        if self.still is not None and view is not None:
-            self.still.take(view, last=True)
+            snapshot = present.snapshot()
+        if self.still is not None and snapshot is not None:
+            self.still.take(snapshot, last=True)
         if self.recorder is not None:
-            if view is not None:
-                self.recorder.frame(view, last=True)
+            if snapshot is not None:
+                self.recorder.frame(snapshot, last=True)
             self.recorder.close()

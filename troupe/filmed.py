@@ -13,8 +13,8 @@ from troupe.interrupts import last_act
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.filming import Film
-    from sim.worldfile import LoadedWorld
 
 Size = str | tuple[int, int]
 

@@ -33,15 +33,16 @@ from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
 from troupe.readings import Place, Readings, find_sensor, readings_of
-from troupe.running import as_text, check_log, log_of, open_log_of
+from troupe.running import check_log, log_of, open_log_of
+from troupe.setting import as_text
 from troupe.usage import UsageError
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.log.recorder import Recorder
     from sim.result import Outcome, Result
-    from sim.video.view import FrameView
-    from sim.worldfile import LoadedWorld
+    from sim.video.snapshot import Snapshot
     from troupe.live.window import Window
 
 Floats = NDArray[np.float64]
@@ -152,7 +153,7 @@ class Simulation:
             raise
         self._recorder = recorder
         if recorder is not None:
-            self._engine.sensing.logged = recorder.sensors
+            self._engine.sensing.logged = recorder.sensed.wanted
         self._end = weakref.finalize(self, ended, self._engine, recorder)
         self._sensors = Sensors()
         self._wall_time: float | None = None
@@ -432,24 +433,24 @@ class Simulation:
 
     # -- what comes out of it -----------------------------------------------------------------
 
-    def view(self) -> FrameView:
+    def snapshot(self) -> Snapshot:
         """What this moment shows, as plain arrays that are read at once."""
         from sim.filming import Film  # noqa: PLC0415
 
-        return Film().look(self._engine).frame()
+        return Film().look(self._engine).snapshot()
 
     def picture(self, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
         """This moment as an image (height, width, 3), red, green, blue; `size`: width, height.
 
         Raises sim.video.errors.VideoError for a size that cannot be.
         """
-        from sim.filming import backdrop_of, shape_of  # noqa: PLC0415
+        from sim.showing import backdrop_of, shape_of  # noqa: PLC0415
         from sim.video.picture import Picture  # noqa: PLC0415 - loads OpenCV
 
         picture = Picture(backdrop_of(self._loaded), size)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
-        return np.ascontiguousarray(picture.draw(self.view())[:, :, ::-1])
+        return np.ascontiguousarray(picture.draw(self.snapshot())[:, :, ::-1])
 
     def show(
         self,

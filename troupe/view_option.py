@@ -11,7 +11,7 @@ from typing import Any, cast
 import typer
 from typer.core import TyperCommand
 
-from sim.printable import printable
+from player.printable import printable
 from troupe.usage import UsageError
 
 ADDRESS = re.compile(r"\[?[\w.:-]*\]?:\d+|\d+")

@@ -13,15 +13,15 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.filming import movables_of
 from sim.log import contents
 from sim.log.errors import LogError
 from sim.log.reader import DAMAGES, LogReader
 from sim.log.states import State, States, state_of
 from sim.log.track import Paint, Track
 from sim.log.world import loaded_again, own_sensors
+from sim.showing import drawings_of, movables_of
 from sim.surroundings import Surroundings
-from sim.video.view import DrawingKind
+from sim.video.snapshot import DrawingKind
 from sim.view.present import ENDED, Present
 
 KINDS = get_args(DrawingKind)
@@ -115,7 +115,7 @@ class Playback:
             settled=np.array(settled, bool),
             stalls=state.stalls,
             said=[self._said.get(robot) for robot in range(count)],
-            figures=[self._figures.get(robot, []) for robot in range(count)],
+            drawings=drawings_of(self.figures(count), state.poses),
             groups=self.sense(sensed).suite.groups,
             movables=self.movables,
             movable_poses=state.movable_poses,
@@ -123,6 +123,10 @@ class Playback:
             resolution=self._paint.resolution or self.loaded.world.floor.resolution,
             coverage=float(state.coverage) if paints else None,
         )
+
+    def figures(self, count: int) -> list[list[Figure]]:
+        """What the programs of the first robots had drawn in what was shown last."""
+        return [self._figures.get(robot, []) for robot in range(count)]
 
     @property
     def worn(self) -> int:

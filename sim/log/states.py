@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.log.batch import STATE, state_template
 from sim.log.cdr import decode
 from sim.log.contents import STATES
 from sim.log.reader import LogReader, Run
+from sim.log.tick_blocks import STATE, state_template
 
 
 class State(NamedTuple):

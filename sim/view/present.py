@@ -5,36 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sensors.readings import Blobs, Scans
-from sim.stage.geometry import placed
-from sim.video.view import MOST_SCANS, Drawing, FrameView, Scan, Shape, Sighting
+from sim.video.snapshot import MOST_SCANS, Drawing, Scan, Shape, Sighting, Snapshot
 
 if TYPE_CHECKING:
     from sensors.suite import Group
-    from sim.worldfile.schema import Model
 
 ENDED = frozenset({"finished", "failed", "hung", "lost"})
 """States of a controller that drives nobody any more."""
-FARTHEST = 1e6
-"""Metres: figures that reach beyond are not drawn."""
-
-
-class Figure(Protocol):
-    """A shape of graphics2d in its robot's frame: see `sim.robot.Drawing`."""
-
-    @property
-    def kind(self) -> str: ...
-    @property
-    def points(self) -> NDArray[np.float64]: ...
-    @property
-    def color(self) -> int: ...
-    @property
-    def fill_color(self) -> int | None: ...
 
 
 @dataclass(frozen=True)
@@ -45,7 +28,8 @@ class Present:
     """Simulated seconds."""
     tick: int
     names: Sequence[str]
-    models: Sequence[Model]
+    models: Sequence[Any]
+    """(n,) as the world file has them."""
     poses: NDArray[np.float64]
     """(n, 3) x, y, yaw: m, rad."""
     colors: NDArray[np.int64]
@@ -56,8 +40,8 @@ class Present:
     """(n,) whether each is kept from what it wants to do."""
     said: Sequence[tuple[float, str] | None]
     """(n,) when (s) and what each said last."""
-    figures: Sequence[Sequence[Figure]]
-    """(n,) what each one's program has drawn."""
+    drawings: Sequence[Drawing]
+    """What programs have drawn."""
     groups: Sequence[Group]
     """All sensors, with what they sensed at this tick."""
     movables: Sequence[tuple[Shape, int]]
@@ -71,9 +55,9 @@ class Present:
     coverage: float | None
     """The painted share of the floor; None where nothing is painted."""
 
-    def frame(self) -> FrameView:
+    def snapshot(self) -> Snapshot:
         """What a picture or a video shows of it."""
-        return FrameView(
+        return Snapshot(
             time=self.time,
             poses=self.poses,
             colors=self.colors,
@@ -87,7 +71,7 @@ class Present:
             resolution=self.resolution,
             movables=self.movables,
             movable_poses=self.movable_poses,
-            drawings=self.drawings(),
+            drawings=self.drawings,
         )
 
     def scans(self) -> list[Scan]:
@@ -122,17 +106,3 @@ class Present:
         """The rows that were sensed in this tick, of robots that are driven, as many as show."""
         rows: NDArray[np.int64] = group.rows[~self.settled[group.robots[group.rows]]]
         return rows[:MOST_SCANS]
-
-    def drawings(self) -> list[Drawing]:
-        """What programs have drawn, in world coordinates."""
-        drawn: list[Drawing] = []
-        for robot, figures in enumerate(self.figures):
-            for figure in figures:
-                points = np.array(figure.points, float).reshape(-1, 2)
-                if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > FARTHEST:
-                    continue
-                kind: Any = figure.kind
-                fill = figure.fill_color
-                at = placed(points, self.poses[robot])
-                drawn.append(Drawing(kind, at, figure.color, fill is not None, fill))
-        return drawn

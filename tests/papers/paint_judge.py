@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.build import load
 from sim.engine import Engine, Settings
 from sim.result import Result, RobotRecord
 from sim.run import run_world
-from sim.worldfile import load
 from tests.papers.paint_bench import SAME_HEIGHT, expected_goals, ranked, touching, walls_of
 
 Floats = NDArray[np.float64]

@@ -13,10 +13,10 @@ import troupe
 from gridworld.generators import random_region
 from gridworld.grid import Outcome, simulate
 from gridworld.regions import Region, load
+from sim.build import load as load_world
 from sim.engine import Engine, Settings
 from sim.result import Result
 from sim.run import run_world
-from sim.worldfile import load as load_world
 from tests.processes import ROOT
 
 WORLDS = ROOT / "worlds"

@@ -14,7 +14,7 @@ import yaml
 
 import troupe
 from controllers.paint.constants import OVERLAP
-from sim.worldfile import load
+from sim.build import load
 from tests.papers.paint_judge import Judged, judged_run, reported_goal
 from tests.processes import ROOT, environment, troupe_command
 

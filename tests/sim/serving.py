@@ -10,10 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Self
 
+from sim.build import load
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
 from sim.result import Result
-from sim.worldfile import load
 from tests.patience import PATIENCE
 
 World = Callable[..., Path]
@@ -52,14 +52,20 @@ class Serving:
         processes: bool = False,
         patience: float = 60.0,
         realtime: float | None = None,
+        free: bool = False,
+        now: Callable[[], float] | None = None,
         listen: tuple[str, int] | None = ("127.0.0.1", 0),
         each_tick: Callable[[Engine], None] | None = None,
     ) -> None:
         self.lines: list[str] = []
         self.told = threading.Condition()
-        settings = Settings(seed, duration, realtime=realtime, listen=listen, patience=patience)
+        settings = Settings(
+            seed, duration, realtime=realtime, free=free, listen=listen, patience=patience
+        )
         fleet: Any = Fleet(show=self.say) if processes else NoProcesses()
         self.engine = Engine(load(path), settings, fleet, self.say)
+        if now is not None:
+            self.engine.pace.now = now
         self.outcome: Result | BaseException | None = None
         self.each_tick = each_tick
         self.thread = threading.Thread(target=self.run, daemon=True)

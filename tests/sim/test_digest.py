@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import troupe
+from sim.build import load
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
-from sim.worldfile import load
 from tests.processes import ROOT, environment, troupe_command
 
 WORLD = ROOT / "worlds" / "wander.yaml"

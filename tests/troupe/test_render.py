@@ -170,7 +170,7 @@ def test_ticks_show_the_same_in_any_order(kept: Kept) -> None:
 def described(playback: Playback, k: int) -> str:
     """All that a tick shows, as text."""
     present = playback.present(k)
-    frame = present.frame()
+    frame = present.snapshot()
     painted = None if frame.floor is None else np.bincount(frame.floor.reshape(-1)).tolist()
     fans = [(scan.robot, list(scan.ranges)) for scan in present.scans()]
     return repr((frame.time, frame.poses.tolist(), list(frame.colors), frame.said, painted, fans,

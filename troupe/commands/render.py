@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from player.printable import printable_lines
 from sim.interrupts import Interrupts
-from sim.printable import printable_lines
 from troupe.commands import film_options as options
 from troupe.filmed import Filmed
 from troupe.interrupts import EXIT_CODE, leave

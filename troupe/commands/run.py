@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from player.printable import printable_lines
 from sim.interrupts import Interrupts
-from sim.printable import printable_lines
 from troupe.commands import film_options as options
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
@@ -22,7 +22,7 @@ from troupe.usage import UsageError, told
 from troupe.view_option import parse_address
 
 if TYPE_CHECKING:
-    from troupe.live.opening import LogView, View
+    from troupe.live.opening import LiveView, LogView
     from troupe.log import Log
     from troupe.running import Run
 
@@ -98,6 +98,14 @@ def run(
             show_default="as fast as possible",
         ),
     ] = None,
+    free: Annotated[
+        bool,
+        typer.Option(
+            "--free",
+            help="Wait for no Player client from outside: the world runs on by itself, in real "
+            "time unless --realtime says otherwise, for programs that sleep.",
+        ),
+    ] = False,
     listen: Annotated[
         str | None,
         typer.Option(
@@ -155,6 +163,7 @@ def run(
         duration=duration,
         settings=set_ or [],
         realtime=realtime,
+        free=free,
         listen=listen,
         patience=patience,
         fail_fast=fail_fast,
@@ -173,7 +182,7 @@ def run(
 
 @dataclass(frozen=True)
 class Watched:
-    """How a run is to be shown in a browser: see `troupe.live.opening.View`."""
+    """How a run is to be shown in a browser: see `troupe.live.opening.LiveView`."""
 
     address: str | None
     browser: bool
@@ -181,11 +190,11 @@ class Watched:
     paused: bool = False
     stays: bool = False
 
-    def open(self, screen: Screen, again: bool) -> View:
+    def open(self, screen: Screen, again: bool) -> LiveView:
         """The view, not yet entered."""
-        from troupe.live.opening import View  # noqa: PLC0415 - loaded for those who watch
+        from troupe.live.opening import LiveView  # noqa: PLC0415 - loaded for those who watch
 
-        return View(
+        return LiveView(
             *self.place,
             browser=self.browser,
             read_only=self.read_only,

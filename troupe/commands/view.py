@@ -9,8 +9,8 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from player.printable import printable_lines
 from sim.interrupts import Interrupts
-from sim.printable import printable_lines
 from troupe.commands.run import Watched, run_and_show
 from troupe.interrupts import leave
 from troupe.show import Screen

@@ -11,7 +11,7 @@ from time import sleep
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from troupe.live.entrance import is_loopback
+from sim.ports import is_loopback
 from troupe.live.exchange import Exchange
 from troupe.live.server import LiveServer
 from troupe.live.watch import Watch
@@ -75,7 +75,7 @@ class Served:
         self.server.close()
 
 
-class View:
+class LiveView:
     """Shows runs to browsers as long as it is entered: see `Served`.
 
     `paused`: the first run stands at its beginning. `stays`: the page stays when the run is over,

@@ -171,7 +171,7 @@ class Playing:
                     "color": figure.color,
                     "fill": figure.fill_color,
                 }
-                for robot, figures in enumerate(present.figures)
+                for robot, figures in enumerate(playback.figures(count))
                 for figure in figures
                 if np.isfinite(figure.points).all()
             ],

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.filming import backdrop_of
+from sim.showing import backdrop_of
 from sim.stage.geometry import outline
 from sim.video import palette
 from sim.view.moment import Scene
 
 if TYPE_CHECKING:
-    from sim.worldfile import LoadedWorld
+    from sim.build import LoadedWorld
 
 MOST_FANS = 32
 """Robots up to which the readings of all of them show; of more, those of who is selected."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.printable import printable
+from player.printable import printable
 from sim.video.palette import TINTS, mix
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.filming import backdrop_of, shape_of
+from sim.showing import backdrop_of, shape_of
 from sim.video.picture import Picture
 from sim.video.projection import default_size
 from sim.video.trails import Ways
@@ -44,8 +44,8 @@ def picture_of(
     for robot, model in zip(present.names, present.models, strict=True):
         picture.add_robot(robot, shape_of(model.body))
     if len(present.names) <= MOST_VECTORS:
-        return identifiers_apart(picture.svg(present.frame()), name)
-    done, pixels = cv2.imencode(".png", picture.draw(present.frame()))
+        return identifiers_apart(picture.svg(present.snapshot()), name)
+    done, pixels = cv2.imencode(".png", picture.draw(present.snapshot()))
     assert done
     data = base64.b64encode(pixels.tobytes()).decode()
     width, height = picture.size
