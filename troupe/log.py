@@ -123,12 +123,12 @@ class Log:
     @property
     def seed(self) -> int:
         """The seed of the run."""
-        return int(self._reader.about["seed"])
+        return self._reader.whole("seed")
 
     @property
     def interval(self) -> float:
         """Seconds of a tick."""
-        return float(self._reader.about["interval"])
+        return self._reader.number("interval")
 
     @cached_property
     def result(self) -> dict[str, Any] | None:

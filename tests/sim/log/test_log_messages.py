@@ -122,12 +122,14 @@ def test_both_readers_find_every_topic_and_its_messages(
     found = read(path)
     assert set(found) == {
         "/clock", "/tf", "/map", "/rosout", "/troupe/state", "/troupe/walls", "/troupe/bodies",
+        "/troupe/last",
         "/troupe/entries", "/troupe/sensed", "/troupe/commands", "/troupe/said",
         "/troupe/properties",
         *(f"/{name}/{what}" for name in ("one", "twotwo")
           for what in ("scan", "range", "blobs", "odom", "cmd_vel")),
     }  # fmt: skip
-    assert len(found["/clock"]) == len(found["/tf"]) == 30
+    assert len(found["/tf"]) == 30
+    assert [message.clock.sec for message in found["/clock"]] == [0, 1, 2, 3]  # once a second
     assert len(found["/one/range"]) == 60  # two elements
     assert found["/troupe/said"][0].text == "\x1b[31mthree"
     assert found["/troupe/properties"][0].value == "7"
