@@ -43,7 +43,7 @@ from player.events import (
 from player.familiar import STEP, Familiar
 from player.header import HEADER, TIME, Message, MessageReader
 from player.outbox import Outbox
-from player.xdr import Record, Scalar, Values
+from player.xdr import Values
 
 __all__ = [
     "BACKLOG_LIMIT",
@@ -78,9 +78,9 @@ _new = tuple.__new__  # a quarter of the time that the named tuple's own constru
 Datum = tuple[DeviceAddr, int, bytes]
 """Data of a device: its address there, the subtype, the payload."""
 
-_Commanded = tuple[DeviceAddr, messages.MessageSpec, int]
-"""A command in a piece: to which device, its row of the table, and where among the piece's parts
-its payload is."""
+_Commanded = tuple[DeviceAddr, int, str, Callable[[bytes], Values], int]
+"""A command in a piece: to which device, its subtype and name, what reads its payload, and where
+among the piece's parts that is."""
 
 
 class _Usual(NamedTuple):
@@ -100,14 +100,15 @@ def _usual(found: list[Message]) -> _Usual | None:
         spec = messages.find(message.interf, _CMD, message.subtype)
         if message.type != _CMD or message.interf == _PLAYER or spec is None:
             return None
-        if not all(isinstance(kind, Scalar | Record) for _, kind in spec.fields):
+        read = spec.layout.plain
+        if read is None:
             return None  # how it lies depends on more than its length
         try:
             spec.decode(message.payload)
         except XdrError:
             return None
         addr = DeviceAddr(message.interf, message.index)
-        commands.append((addr, spec, STEP * number + STEP - 1))
+        commands.append((addr, spec.subtype, spec.name, read, STEP * number + STEP - 1))
     return _Usual(tuple(commands), asks, last.seq)
 
 
@@ -177,10 +178,9 @@ class Session:
         return events
 
     def _do_as_usual(self, usual: _Usual, parts: tuple[Any, ...], events: list[Event]) -> None:
-        for addr, spec, at in usual.commands:
+        for addr, subtype, name, read, at in usual.commands:
             if addr in self.directory:
-                values = spec.decode(parts[at])
-                events.append(_new(Command, (addr, spec.subtype, values, spec.name)))
+                events.append(_new(Command, (addr, subtype, read(parts[at]), name)))
             else:
                 events.append(Ignored(f"there is no device {addr}"))
         if usual.asks:
@@ -437,21 +437,17 @@ class Session:
             self.end_of_round()
             return
         # the client waits, and nothing else does: what it gets is all of this
-        parts = [self._data_ack()] if self._held_ack else []
-        front, stamp, subscribed = self.directory.front, TIME.pack(time), self.subscribed
-        acknowledgements = len(parts)
+        directory, subscribed, stamp = self.directory, self.subscribed, TIME.pack(time)
+        parts: list[bytes] = []
         for addr, subtype, payload in data:
             if addr in subscribed:
-                interf, index = addr
-                parts += (
-                    front(interf, index, _DATA, subtype),
-                    stamp,
-                    len(payload).to_bytes(8),
-                    payload,
-                )
-        if len(parts) == acknowledgements:
+                front = directory.front(*addr, _DATA, subtype)
+                parts += (front, stamp, len(payload).to_bytes(8), payload)
+        if not parts:
             return
         parts.append(_SYNCH_OK)
+        if self._held_ack:
+            parts.insert(0, self._data_ack())
         outbox.say(b"".join(parts))
         self._held_ack = self.waiting = False
 
