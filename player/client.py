@@ -25,10 +25,11 @@ from player.codes import (
 )
 from player.environment import Place, find_place, find_timeout
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
-from player.familiar import STEP, Familiar
-from player.header import HEADER_SIZE, Message, pack_message
+from player.familiar import Familiar
+from player.header import Message, pack_message
 from player.link import Deadline, Link
 from player.printable import printable
+from player.usual import read_round
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -53,27 +54,6 @@ def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
     payload = spec.encode(message)
     spec.check_finite(message)
     return payload
-
-
-DataAt = tuple[int, int, tuple[int, int], int]
-"""Data in a round that is cut into parts: where its payload is among them, its subtype and its
-device, and where it ends among the round's bytes."""
-
-
-def _data_of_round(messages: list[Message]) -> list[DataAt] | None:
-    """The data in a round; None for what is no round: acknowledgement, data, and its end."""
-    first, last = messages[0], messages[-1]
-    if first[2:6] != (_PLAYER.interf, 0, _ACK, PlayerRequest.DATA) or last.type != _SYNCH:
-        return None
-    found: list[DataAt] = []
-    end = HEADER_SIZE + len(first.payload)
-    for number, message in enumerate(messages[1:-1], start=1):
-        if message.type != _DATA:
-            return None
-        end += HEADER_SIZE + len(message.payload)
-        at = STEP * number + STEP - 1
-        found.append((at, message.subtype, (message.interf, message.index), end))
-    return found
 
 
 class PlayerClient:
@@ -132,7 +112,7 @@ class PlayerClient:
         self._asked = False
         self._acknowledged = False
         self._in_step = False  # the last round is over, and nothing that came since is left
-        self._familiar = Familiar(_data_of_round)
+        self._familiar = Familiar(read_round)
         self._closed = False
         self._outside = place.sock is None
         self._mode = DataMode.PUSH  # a server's first state

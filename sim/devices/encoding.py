@@ -87,13 +87,13 @@ class Encodings:
         self.round = 0  # of perceiving: what is encoded belongs to one
         self.groups: dict[tuple[int, str], GroupEncoder] = {}
 
-    def payload(self, group: Group, message: str, row: int) -> bytes:
-        """One of the messages below, of one row of a group, as of this round."""
+    def encoder(self, group: Group, message: str) -> GroupEncoder:
+        """What encodes one of the messages below, of a group's rows."""
         encoder = self.groups.get((id(group), message))
         if encoder is None:
             encoder = GroupEncoder(group, ENCODERS[message]())
             self.groups[id(group), message] = encoder
-        return encoder.payload(row, self.round)
+        return encoder
 
 
 class Alike:
