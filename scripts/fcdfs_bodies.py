@@ -8,7 +8,6 @@ Writes docs/results/fcdfs_bodies.md. `--quick` leaves out the grid of 30 x 30 ce
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from pathlib import Path
 
@@ -19,7 +18,7 @@ import troupe  # noqa: E402
 from gridworld.grid import Outcome, simulate  # noqa: E402
 from gridworld.regions import Region, load  # noqa: E402
 from sim.result import Result  # noqa: E402
-from sim.worldfile import load as load_world  # noqa: E402
+from troupe.testing.fcdfs import agreeing  # noqa: E402
 
 WORLDS = (
     "corridor", "corridor_differential", "rooms", "rooms_differential", "maze", "spiral",
@@ -49,7 +48,7 @@ def main() -> None:
     rows = []
     for name in WORLDS[:-1] if args.quick else WORLDS:
         path = ROOT / "worlds" / f"fcdfs_{name}.yaml"
-        world = load_world(path).world
+        world = troupe.load(path)
         assert world.map is not None
         region = load(path.parent / world.map.file)
         told = world.controllers["fcdfs"].args
@@ -62,17 +61,7 @@ def main() -> None:
 
 def row(name: str, region: Region, grid: Outcome, result: Result) -> str:
     """One line of the table."""
-    cell = 1.5
-    agree = 0
-    for k, record in enumerate(result.robots):
-        x, y, _ = record.pose
-        place = [math.floor(x / cell), region.rows - 1 - math.floor(y / cell)]
-        agree += (
-            result.doors[0].steps[k] == grid.entered[k]
-            and record.properties.get("travel") == grid.moves[k]
-            and record.properties.get("settled_step") == grid.settled[k]
-            and place == grid.cell[k].tolist()
-        )
+    agree = sum(agreeing(result, region, grid))
     travel = sum(record.properties.get("travel", 0) for record in result.robots)
     contacts = sum(record.contacts for record in result.robots)
     last = result.doors[0].steps[-1]

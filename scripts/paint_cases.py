@@ -29,7 +29,8 @@ from paint_placements import TABLE, Row, read  # noqa: E402
 
 import troupe  # noqa: E402
 from sim.result import Result  # noqa: E402
-from tests.papers.paint_judge import Judged, judged_run  # noqa: E402
+from troupe.sweep.results import result_of  # noqa: E402
+from troupe.testing.paint.judge import Judged, judged_run  # noqa: E402
 
 CASES = {1: "I", 2: "II", 3: "III"}
 PAPER = {1: "2:33", 2: "2:30", 3: "2:25"}
@@ -189,9 +190,10 @@ def cases(tests: int, whole: int, speed: float, jitter: float, folder: Path | No
     rows, shown, timelines = [], {}, {}
     for case, name in CASES.items():
         judged = [run(f"case_{case}", seed, speed, jitter, paint=False) for seed in range(tests)]
-        goal = [one.result for one in judged]
+        goal = [result_of(one.result) for one in judged]
         painted = [
-            run(f"case_{case}", seed, speed, jitter, paint=True).result for seed in range(whole)
+            result_of(run(f"case_{case}", seed, speed, jitter, paint=True).result)
+            for seed in range(whole)
         ]
         times = [t for result in goal if (t := last(result, "goal_time")) is not None]
         work = [t for result in painted if (t := last(result, "done_time")) is not None]
@@ -202,8 +204,8 @@ def cases(tests: int, whole: int, speed: float, jitter: float, folder: Path | No
                 minutes(statistics.mean(times)) if times else "-",
                 mean(times),
                 f"{sum(all(one.right) for one in judged)} of {tests}",
-                sum(len(one.judge.contacts) for one in judged),
-                sum(len(one.judge.swaps) for one in judged),
+                sum(len(one.contacts) for one in judged),
+                sum(len(one.swaps) for one in judged),
                 mean([sum(robot.distance for robot in r.robots) for r in goal]),
                 mean([total(r, "looks") for r in goal]),
                 mean([total(r, "waits") for r in goal]),

@@ -28,7 +28,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT)]
 
-from tests.papers.paint_judge import judged_run  # noqa: E402
+from troupe.testing.paint.judge import judged_run  # noqa: E402
 
 TABLE = ROOT / "docs" / "results" / "paint" / "placements.csv"
 WORLDS = ("case_1", "case_2", "case_3", "line", "tall", "swarm_8", "swarm_12", "swarm_16")
@@ -53,17 +53,16 @@ def run(world: str, jitter: float, seed: int, limit: float = LIMIT) -> Row:
     """One placement, as far as the goals."""
     settings = ["controllers.paint.args.paint=false", f"controllers.paint.args.jitter={jitter:g}"]
     judged = judged_run(ROOT / "worlds" / f"paint_{world}.yaml", seed, settings, limit)
-    result, judge = judged.result, judged.judge
     return Row(
         world,
         jitter,
         seed,
-        len(result.robots),
+        len(judged.right),
         sum(judged.right),
-        len(judge.contacts),
-        len(judge.swaps),
-        round(result.sim_time, 3),
-        result.outcome,
+        len(judged.contacts),
+        len(judged.swaps),
+        round(judged.result["sim_time"], 3),
+        judged.result["outcome"],
     )
 
 

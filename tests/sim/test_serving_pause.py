@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import troupe
-from tests.sim.raw_client import ACK, POSITION2D, SIMULATION, Gone, RawClient, pulling
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, POSITION2D, SIMULATION, Gone, RawClient, pulling
 
 WORLD = """\
 size: [20, 20]
@@ -124,8 +124,8 @@ def test_who_may_not_pause_is_not_taken_for_who_has(path: Path) -> None:
         assert run.engine.context.paused  # it has gone, and the pause was not its own
         one.ask()
         two.ask()
-        ticks = run.engine.ticks
+        ticks = run.simulation.ticks
         pause(onlooker)
         one.answer()
         two.answer()
-        assert run.engine.ticks == ticks + 1
+        assert run.simulation.ticks == ticks + 1
