@@ -24,7 +24,7 @@ from troupe.testing.evidence import Evidence, Watch
 from troupe.testing.patience import PATIENCE
 
 if TYPE_CHECKING:
-    from sim.fleet.functions import Controllers
+    from player import Robot
     from sim.result import Result
     from troupe.world import World
 
@@ -57,7 +57,7 @@ class Lockstep:
         seed: int = 1,
         duration: float = LONG,
         set: Mapping[str, Any] | None = None,
-        controllers: Controllers = True,
+        controllers: bool | Mapping[str, Callable[[Robot], None] | bool] = True,
         listen: tuple[str, int] | None = ("127.0.0.1", 0),
         realtime: float | None = None,
         patience: float = 60.0,
