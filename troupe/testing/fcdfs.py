@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from gridworld.grid import Outcome
-from gridworld.regions import Region
+import troupe
+from gridworld.grid import Outcome, simulate
+from gridworld.regions import Region, load
 from sim.result import Result, RobotRecord
 
 CELL = 1.5
@@ -37,6 +38,25 @@ def agreeing(result: Result, region: Region, grid: Outcome, cell: float = CELL) 
 def faults(result: Result, region: Region, grid: Outcome, cell: float = CELL) -> list[str]:
     """What is wrong with a run, in words; nothing if it is the grid model's and nobody touched."""
     return list(_faults(result, region, grid, cell))
+
+
+def measures(result: Result) -> dict[str, int]:
+    """In numbers, beside the grid model: a function for `troupe sweep --each`.
+
+    The world must be where it was. `cells` of the map, robots that `agree`, the `steps` until the
+    last one came, their `travel` and `contacts`.
+    """
+    world = troupe.load(result.world)
+    region = load(world.loaded.folder / world.map.file)
+    told = world.controllers["fcdfs"].args
+    grid = simulate(region, told["rule"], seed=result.seed, q=told.get("q", 0.0))
+    return {
+        "cells": grid.cells,
+        "agree": sum(agreeing(result, region, grid)),
+        "steps": result.doors[0].steps[-1],
+        "travel": sum(robot.properties.get("travel", 0) for robot in result.robots),
+        "contacts": sum(robot.contacts for robot in result.robots),
+    }
 
 
 def _faults(result: Result, region: Region, grid: Outcome, cell: float) -> Iterator[str]:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from troupe.testing.evidence import Evidence, Watch
 from troupe.testing.paint.goals import SAME_HEIGHT, expected_goals
 from troupe.testing.ranks import Passing, passings, ranked
 from troupe.testing.touching import Contact, contacts
+
+if TYPE_CHECKING:
+    from sim.result import Result
 
 Floats = NDArray[np.float64]
 AT_GOAL = 0.01
@@ -53,13 +56,33 @@ class Judged:
         return arena
 
     @cached_property
+    def goals(self) -> Floats:
+        """(n, 2) where the paper has each robot go."""
+        return expected_goals(self.seen.starts, self.region.min(axis=0), self.region.max(axis=0))
+
+    @cached_property
+    def off_goal(self) -> float:
+        """How far from the paper's goals robots truly stood when they said that they had come, m.
+
+        The largest of all robots; NaN if none has come.
+        """
+        found = math.nan
+        for k, robot in enumerate(self.result["robots"]):
+            told = robot["properties"].get("goal_time")
+            if isinstance(told, int | float):
+                times = self.seen.times
+                tick = min(int(np.searchsorted(times, told - 1e-6)), len(times) - 1)
+                off = math.dist(self.seen.poses[tick, k, :2], self.goals[k])
+                found = off if math.isnan(found) else max(off, found)
+        return found
+
+    @cached_property
     def right(self) -> list[bool]:
-        """Per robot, whether it reported and reached the goal that the paper gives it."""
-        wanted = expected_goals(self.seen.starts, self.region.min(axis=0), self.region.max(axis=0))
+        """Per robot, whether it reported the goal that the paper gives it, and that it is there."""
         return [
             "goal_time" in robot["properties"]
             and bool(np.abs(reported_goal(robot) - goal).max() < AT_GOAL)
-            for robot, goal in zip(self.result["robots"], wanted, strict=True)
+            for robot, goal in zip(self.result["robots"], self.goals, strict=True)
         ]
 
     @property
@@ -92,13 +115,21 @@ class Judged:
         return float(np.maximum(off, 0.0).max(initial=0.0))
 
     @property
-    def measures(self) -> dict[str, int]:
-        """In numbers: how many goals are right, contacts, and changes of the order by height."""
+    def measures(self) -> dict[str, float]:
+        """In numbers: goals that are right, contacts, changes of the order by height, how far off
+        its goal anybody stood, and how far beyond its strip anybody painted (m)."""
         return {
             "right": sum(self.right),
-            "overlaps": len(self.contacts),
+            "contacts": len(self.contacts),
             "passings": len(self.swaps),
+            "off_goal": round(self.off_goal, 4),
+            "painted_outside": round(self.painted_outside, 4),
         }
+
+
+def measures(seen: Evidence, result: Result) -> dict[str, float]:
+    """Columns of a sweep's table: `troupe sweep --judge troupe.testing.paint.judge:measures`."""
+    return Judged(seen, result.as_json()).measures
 
 
 def reported_goal(robot: Mapping[str, Any]) -> Floats:
