@@ -6,6 +6,7 @@ import ast
 import pkgutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -18,15 +19,29 @@ MODULES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
-def test_no_script_imports_tests(script) -> None:
-    imported = set()
-    for node in ast.walk(ast.parse(script.read_text())):
+def imported(path: Path) -> set[str]:
+    """The modules that a file imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
-            imported |= {alias.name for alias in node.names}
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
-            imported.add(node.module)
-    assert not [name for name in imported if name.partition(".")[0] == "tests"]
+            found.add(node.module)
+    return found
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
+def test_no_script_imports_tests(script: Path) -> None:
+    assert not [name for name in imported(script) if name.partition(".")[0] == "tests"]
+
+
+def test_the_papers_are_judged_without_the_engine() -> None:
+    """Tests of the engine's own parts are in tests/sim and tests/troupe; a script measures them."""
+    rooms = ("papers", "controllers", "sensors", "gridworld", "docs")
+    files = [path for room in rooms for path in (ROOT / "tests" / room).rglob("*.py")]
+    files += [path for path in SCRIPTS if path.name != "measure.py"]
+    know = {path for path in files if imported(path) & {"sim.engine", "sim.run"}}
+    assert sorted(path.relative_to(ROOT).as_posix() for path in know) == []
 
 
 def test_the_package_needs_no_tests_and_no_test_runner() -> None:
