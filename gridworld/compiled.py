@@ -4,12 +4,12 @@ import hashlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numba
 
-from controllers.dispersal import chance
+from controllers.dispersal import chance, vocabulary
 
 _types: Any = numba.types
 RULE_SIGNATURE = _types.UniTuple(_types.int64, 2)(_types.int64, _types.int64)
@@ -27,6 +27,9 @@ def compile_rule(rule: Rule) -> Any:
     """
     in_a_file = rule.__code__.co_filename[:1] != "<"  # numba keeps its cache beside the source
     kept = in_a_file and rule.__closure__ is None
+    if kept and isinstance(rule, FunctionType):  # a copy, as `keyed` gives it another name
+        copy = FunctionType(rule.__code__, rule.__globals__, rule.__name__, rule.__defaults__)
+        rule = keyed(copy, vocabulary)
     try:
         return numba.cfunc(RULE_SIGNATURE, cache=kept)(rule)
     except RuntimeError:  # numba: "no locator available": nowhere to write a cache

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.dispersal import chance, rules
+from controllers.dispersal import chance, vocabulary
 from gridworld import compiled
 from gridworld.compiled import RULE_TYPE, draw, keyed
 
@@ -71,7 +71,8 @@ def _advance(
     steps: int,
 ) -> None:
     """Do at most `steps` steps; fewer if the run ends, which `counters[STATUS]` says."""
-    talk, dice, lights = senses & rules.TALK, senses & rules.DICE, senses & rules.LIGHTS
+    talk, dice = senses & vocabulary.TALK, senses & vocabulary.DICE
+    lights = senses & vocabulary.LIGHTS
     look_mask = 0xFFFF if lights else 0xFF
     n_doors = doors.size
     at_work = counters[AT_WORK]
@@ -89,7 +90,7 @@ def _advance(
         for place in range(at_work):
             robot = active[place]
             if fails_below > 0 and draw(seed, robot + 1, step, chance.ACTIVATION) < fails_below:
-                next_move[place] = rules.STAY
+                next_move[place] = vocabulary.STAY
                 next_state[place] = state[robot]
                 continue
             cell = position[robot]
@@ -115,7 +116,7 @@ def _advance(
             if dice:
                 seen |= (draw(seed, robot + 1, step, chance.DIE) >> 16) << 32
             next_state[place], next_move[place] = rule(state[robot], seen)
-            if talk and next_move[place] < rules.STAY:
+            if talk and next_move[place] < vocabulary.STAY:
                 # It tells the others where it goes: that cell is new to nobody after it.
                 wanted = cell + offsets[next_move[place]]
                 if cells[wanted] == FREE and first_by[wanted] == NOBODY:
@@ -124,14 +125,14 @@ def _advance(
         # Take the wanted cells. Of several robots the one that came in first gets a cell.
         for place in range(at_work):
             move = next_move[place]
-            if move >= rules.STAY:
+            if move >= vocabulary.STAY:
                 continue
             wanted = position[active[place]] + offsets[move]
             if cells[wanted] == FREE:
                 cells[wanted] = ACTIVE
                 continue
             if talk or loser_stays:
-                next_move[place] = rules.STAY
+                next_move[place] = vocabulary.STAY
                 next_state[place] = state[active[place]]
                 continue
             if cells[wanted] == STANDING:
@@ -142,7 +143,7 @@ def _advance(
                 counters[STATUS] = COLLIDED
             if counters[WHERE] == 0:
                 counters[WHERE] = wanted
-            next_move[place] = rules.STAY
+            next_move[place] = vocabulary.STAY
 
         # Move and settle.
         still_at_work = 0
@@ -151,12 +152,12 @@ def _advance(
             move = next_move[place]
             cell = position[robot]
             state[robot] = next_state[place]
-            if move == rules.SETTLE:
+            if move == vocabulary.SETTLE:
                 cells[cell] = STANDING
                 settled[robot] = step
                 counters[PROGRESS] = step
                 continue
-            if move != rules.STAY:
+            if move != vocabulary.STAY:
                 cells[cell] = FREE
                 if talk:
                     left_to[cell] = 1 + move
@@ -220,6 +221,6 @@ advance: Any = compiled.compiled(
         *(_i4, _i4, _i8, _i4, _i4, _i4, _i4, _i8, _i1),
         *(_int, _int, _int, _int, _int, _int),
     ),
-    keyed(_advance, chance, compiled, rules),
+    keyed(_advance, chance, compiled, vocabulary),
 )
 """`_advance`, compiled for every rule at once: the rule is a function value."""

@@ -1,47 +1,98 @@
 """The Player half: protocol, sessions, server, client and proxies."""
 
-from player.client import PlayerClient
-from player.codes import (
-    DEFAULT_PORT,
-    Access,
-    DataMode,
-    DeviceAddr,
-    Interface,
-    MessageType,
-    Replace,
-)
-from player.errors import (
-    NoReading,
-    PlayerDisconnected,
-    PlayerError,
-    PlayerRefused,
-    PlayerTimeout,
-    ProtocolError,
-    XdrError,
-)
-from player.proxies import (
-    AioProxy,
-    Blob,
-    BlobfinderProxy,
-    BumperProxy,
-    DioProxy,
-    FiducialProxy,
-    Geometry,
-    Graphics2dProxy,
-    LaserConfig,
-    LaserProxy,
-    Position2dProxy,
-    Proxy,
-    RangerConfig,
-    RangerGeometry,
-    RangerProxy,
-    SimulationProxy,
-    Size,
-    SpeechProxy,
-)
-from player.robot import Robot, run
-from player.table import BumperSegment, Fiducial
-from player.xdr import Pose2d, Pose3d
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from player.client import PlayerClient
+    from player.codes import (
+        DEFAULT_PORT,
+        Access,
+        DataMode,
+        DeviceAddr,
+        Interface,
+        MessageType,
+        Replace,
+    )
+    from player.errors import (
+        NoReading,
+        PlayerDisconnected,
+        PlayerError,
+        PlayerRefused,
+        PlayerTimeout,
+        ProtocolError,
+        XdrError,
+    )
+    from player.proxies import (
+        AioProxy,
+        Blob,
+        BlobfinderProxy,
+        BumperProxy,
+        DioProxy,
+        FiducialProxy,
+        Geometry,
+        Graphics2dProxy,
+        LaserConfig,
+        LaserProxy,
+        Position2dProxy,
+        Proxy,
+        RangerConfig,
+        RangerGeometry,
+        RangerProxy,
+        SimulationProxy,
+        Size,
+        SpeechProxy,
+    )
+    from player.robot import Robot, run
+    from player.table import BumperSegment, Fiducial
+    from player.xdr import Pose2d, Pose3d
+
+# Names are imported on first use: who only wants `player.printable` need not wait for numpy.
+_HOMES = {
+    "client": ["PlayerClient"],
+    "codes": [
+        "DEFAULT_PORT",
+        "Access",
+        "DataMode",
+        "DeviceAddr",
+        "Interface",
+        "MessageType",
+        "Replace",
+    ],
+    "errors": [
+        "NoReading",
+        "PlayerDisconnected",
+        "PlayerError",
+        "PlayerRefused",
+        "PlayerTimeout",
+        "ProtocolError",
+        "XdrError",
+    ],
+    "proxies": [
+        "AioProxy",
+        "Blob",
+        "BlobfinderProxy",
+        "BumperProxy",
+        "DioProxy",
+        "FiducialProxy",
+        "Geometry",
+        "Graphics2dProxy",
+        "LaserConfig",
+        "LaserProxy",
+        "Position2dProxy",
+        "Proxy",
+        "RangerConfig",
+        "RangerGeometry",
+        "RangerProxy",
+        "SimulationProxy",
+        "Size",
+        "SpeechProxy",
+    ],
+    "robot": ["Robot", "run"],
+    "table": ["BumperSegment", "Fiducial"],
+    "xdr": ["Pose2d", "Pose3d"],
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "DEFAULT_PORT",
@@ -84,3 +135,11 @@ __all__ = [
     "XdrError",
     "run",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"player.{_HOME[name]}"), name)
+    globals()[name] = found
+    return found

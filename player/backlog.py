@@ -28,6 +28,10 @@ class Backlog:
         self._ended = False
         self._size = 0
 
+    def __bool__(self) -> bool:
+        """Whether anything is kept, or a round's end has been noted."""
+        return bool(self._ended or self._of_round or self._later)
+
     def add(self, message: Message) -> None:
         """Keeps a message of data."""
         (self._later if self._ended else self._of_round).append(message)

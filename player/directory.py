@@ -6,7 +6,11 @@ import ipaddress
 from collections.abc import Iterator, Mapping
 
 from player.codes import DeviceAddr
+from player.header import FRONT
 from player.messages import encode
+
+MOST_FRONTS = 4096
+"""Beginnings of headers that are kept: what clients ask may be of as many kinds as they like."""
 
 
 class Directory:
@@ -27,6 +31,7 @@ class Directory:
         self.time = time
         self._drivers: dict[DeviceAddr, str] = {}
         self._list: bytes | None = None
+        self._fronts: dict[tuple[int, int, int, int], bytes] = {}
         self.place(host, port)
         for addr, driver in (devices or {}).items():
             self.add(addr, driver)
@@ -67,6 +72,17 @@ class Directory:
         self.wire_host = int.from_bytes(packed, "little")
         """The address as it stands in headers: 127.0.0.1 is 0x0100007f."""
         self._list = None
+        self._fronts.clear()
+
+    def front(self, interf: int, index: int, type: int, subtype: int) -> bytes:
+        """The header of a message from here, up to its timestamp."""
+        kind = (interf, index, type, subtype)
+        front = self._fronts.get(kind)
+        if front is None:
+            front = FRONT.pack(self.wire_host, self.port, *kind)
+            if len(self._fronts) < MOST_FRONTS:
+                self._fronts[kind] = front
+        return front
 
     def listing(self) -> bytes:
         """The payload of the device list's ACK."""

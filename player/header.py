@@ -10,6 +10,12 @@ from player.errors import ProtocolError
 HEADER = struct.Struct(">6IdII")
 """host, robot, interface, index, type, subtype, timestamp, seq, payload size."""
 
+FRONT = struct.Struct(">6I")
+"""The header up to its timestamp: what most messages of one kind have in common."""
+
+TIME = struct.Struct(">d")
+"""Its timestamp; behind it come seq and payload size, with a seq of 0 one number of eight bytes."""
+
 HEADER_SIZE = HEADER.size
 
 MAX_PAYLOAD = 8 << 20

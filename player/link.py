@@ -14,7 +14,7 @@ from player.header import Message, MessageReader
 from player.printable import printable
 from player.transport import hurry, quick_acknowledge
 
-RECEIVE_SIZE = 1 << 18
+RECEIVE_SIZE = 1 << 16
 """Bytes taken from the socket at a time: a round with a scan and blobs is about 1500."""
 
 LEAST_WAIT = 1e-3
@@ -36,6 +36,9 @@ class Deadline:
         self.until = None if limit is None else monotonic() + limit
         self.over = False
         self.what = what
+
+
+FOR_EVER = Deadline(None, lambda: "anything")
 
 
 class Link:
@@ -97,7 +100,37 @@ class Link:
             message = self._reader.take()
             if message is not None:
                 return message
-            self._reader.feed(self._receive(deadline, RECEIVE_SIZE))
+            self.feed(self.receive(deadline))
+
+    @property
+    def buffered(self) -> int:
+        """Bytes that have been received and not been given as messages yet."""
+        return self._reader.buffered
+
+    def receive(self, deadline: Deadline) -> bytes:
+        """What comes next, in a piece as it comes; raises as `next` does."""
+        return self._receive(deadline, RECEIVE_SIZE)
+
+    def exchange(self, data: bytes) -> bytes:
+        """Sends, and gives what comes next, without limits of time; raises as these two do."""
+        if self._waits is not None:
+            self._set_timeout(None)
+        try:
+            self._socket.sendall(data)
+            got = self._socket.recv(RECEIVE_SIZE)
+        except (BrokenPipeError, ConnectionResetError):
+            got = self._receive(FOR_EVER, RECEIVE_SIZE)  # its last words
+        except OSError as error:
+            self._break(error)
+        if not got:
+            self.end()
+        if self._tcp:
+            quick_acknowledge(self._socket)
+        return got
+
+    def feed(self, data: bytes) -> None:
+        """Has `next` begin with what has been received otherwise."""
+        self._reader.feed(data)
 
     def waiting(self) -> Message | None:
         """The next message if it has been received already."""

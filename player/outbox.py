@@ -20,12 +20,14 @@ class Outbox:
     """Data waits in a queue until it is released; what is said goes behind what was released.
 
     At most `limit` messages wait in the queue; `dropped` counts those that found it full.
-    `notify`, if any, is called whenever `take` starts to have something to give.
+    `notify`, if any, is called whenever `take` starts to have something to give; `notify_later`
+    in its place, if there is one, where that can wait for what comes after it.
     """
 
     def __init__(self, limit: int) -> None:
         self.limit = limit
         self.notify: Callable[[], None] | None = None
+        self.notify_later: Callable[[], None] | None = None
         self.dropped = 0
         self.backlog = len(BANNER)
         """Bytes that `take` would give now."""
@@ -35,7 +37,11 @@ class Outbox:
         self._latest: dict[Kind, int] = {}
         self._rules: list[tuple[int, ...]] = []
         self._rule_of: dict[Kind, int] = {}
+        self._default = int(Replace.ACCEPT)
         self._closed = False
+        self._unhurried = False  # all that is to be written can wait
+        self.ignores = False
+        """True if some rule may have data ignored."""
 
     def __bool__(self) -> bool:
         """True if data waits in the queue."""
@@ -55,12 +61,18 @@ class Outbox:
                 return False
             self._rules.append(row)
         self._rule_of.clear()
+        self.ignores = any(rule[4] == Replace.IGNORE for rule in self._rules)
         return True
+
+    def keep_newest(self) -> None:
+        """Newer data takes the place of older data of its kind, where no rule says otherwise."""
+        self._default = int(Replace.REPLACE)
+        self._rule_of.clear()
 
     def _find_rule(self, kind: Kind) -> int:
         """What to do with data of that kind: the first rule that matches says."""
         interf, index, subtype = kind
-        found = int(Replace.ACCEPT)
+        found = self._default
         for rule in self._rules:
             wanted = zip(rule[:4], (interf, index, _DATA, subtype), strict=True)
             if all(part in (ANY, value) for part, value in wanted):
@@ -73,7 +85,7 @@ class Outbox:
         """Puts data into the queue, as the replace rules say, if there is room."""
         queue = self._queue
         self._number += 1
-        if self._rules:
+        if self._rules or self._default != Replace.ACCEPT:
             rule = self._rule_of.get(kind)
             if rule is None:
                 rule = self._find_rule(kind)
@@ -91,20 +103,32 @@ class Outbox:
         """Lets `message` be written, behind what is said and released already."""
         if self._closed:
             return
-        if not self._out:
+        if not self._out or self._unhurried:
             self.wake()
+        self._out.append(message)
+        self.backlog += len(message)
+
+    def say_later(self, message: bytes) -> None:
+        """As `say`; but if nothing else is to be written, it can wait for what comes next."""
+        if self._closed:
+            return
+        if not self._out:
+            self._unhurried = True
+            if self.notify_later is not None:
+                self.notify_later()
         self._out.append(message)
         self.backlog += len(message)
 
     def wake(self) -> None:
         """Tells the owner that there is something to be written."""
+        self._unhurried = False
         if self.notify is not None:
             self.notify()
 
     def release(self) -> None:
         """Lets all data in the queue be written."""
         if self._queue:
-            if not self._out:
+            if not self._out or self._unhurried:
                 self.wake()
             chunks = self._queue.values()
             self._out.extend(chunks)
@@ -118,6 +142,7 @@ class Outbox:
             return b""
         data = b"".join(self._out)
         self._out.clear()
+        self._unhurried = False
         self.backlog = 0
         return data
 
@@ -125,7 +150,7 @@ class Outbox:
         """Forgets everything, and keeps nothing from now on."""
         self._closed = True
         self.limit = 0
-        self.notify = None
+        self.notify = self.notify_later = None
         self._queue.clear()
         self._latest.clear()
         self._out.clear()

@@ -10,6 +10,7 @@ import errno
 import selectors
 import socket
 from collections.abc import Callable
+from time import monotonic
 from typing import Any, NamedTuple
 
 from player.directory import Directory
@@ -23,6 +24,10 @@ MAX_CONNECTIONS = 512
 """Connections accepted over TCP at a time; further ones are closed at once."""
 
 LISTEN_BACKLOG = 128
+
+HELD_FOR = 0.05
+"""Wall-clock seconds for which the news that a request for data has been heard waits for the data,
+so as to travel in one piece with it: far below what any client waits for an answer."""
 
 
 class Connected(NamedTuple):
@@ -86,6 +91,7 @@ class Connection:
         if self.is_open:
             self._server._continue(self)
             self._server._ready.pop(self, None)
+            self._server._held.pop(self, None)
 
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
@@ -110,6 +116,8 @@ class Server:
         self._asleep: list[socket.socket] = []
         self._accepted = 0
         self._ready: dict[Connection, None] = {}
+        self._held: dict[Connection, None] = {}  # what they are to be told can wait for more
+        self._held_until = 0.0
         self._events: list[tuple[Connection, ServerEvent]] = []
         self._watched: dict[Any, Callable[[], None]] = {}
 
@@ -166,9 +174,15 @@ class Server:
         What sessions have to say is written first, so that nobody waits for an answer meanwhile.
         """
         if self._ready:
-            self.flush()
+            self._write_ready()
         if self._events:
             timeout = 0.0
+        elif self._held:
+            left = self._held_until - monotonic()
+            if left <= 0.0:
+                self.flush()
+            else:
+                timeout = left if timeout is None else min(timeout, left)
         for key, mask in self.selector.select(timeout):
             owner = key.data
             if type(owner) is Connection:
@@ -189,12 +203,9 @@ class Server:
 
         The rest goes out in later polls, before anything that the session says meanwhile.
         """
-        while self._ready:
-            ready = self._ready
-            self._ready = {}
-            for connection in ready:
-                if connection.is_open:
-                    self._continue(connection)
+        self._ready |= self._held
+        self._held.clear()
+        self._write_ready()
 
     def close(self) -> None:
         """Closes all connections and listeners."""
@@ -212,6 +223,21 @@ class Server:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _write_ready(self) -> None:
+        while self._ready:
+            ready = self._ready
+            self._ready = {}
+            for connection in ready:
+                self._held.pop(connection, None)
+                if connection.is_open:
+                    self._continue(connection)
+
+    def _hold(self, connection: Connection) -> None:
+        """What a session has to say may wait for what it says next, but not for long."""
+        if not self._held:
+            self._held_until = monotonic() + HELD_FOR
+        self._held[connection] = None
+
     # -- sockets ----------------------------------------------------------------------------
 
     def _add(
@@ -220,7 +246,9 @@ class Server:
         sock.setblocking(False)
         session = Session(directory, patient=patient)
         connection = Connection(self, sock, session, peer, port)
-        session.on_output(lambda: self._ready.__setitem__(connection, None))
+        session.on_output(
+            lambda: self._ready.__setitem__(connection, None), lambda: self._hold(connection)
+        )
         self._ready[connection] = None
         self.connections.add(connection)
         self._select(connection, selectors.EVENT_READ)
@@ -302,31 +330,29 @@ class Server:
 
     def _write(self, connection: Connection) -> None:
         session = connection.session
-        unsent = connection._unsent
+        unsent: bytes | memoryview | None = connection._unsent
+        connection._unsent = None
         while not connection._deaf:
-            if unsent is None:
-                data = session.outgoing()
-                if not data:
-                    break
-                unsent = memoryview(data)
+            data = session.outgoing() if unsent is None else unsent
+            if not data:
+                break
             try:
-                sent = connection._socket.send(unsent)
+                sent = connection._socket.send(data)
             except (BlockingIOError, InterruptedError):
                 sent = 0
             except OSError:
                 # It has closed; what it said before that is still to be read, up to its end.
                 connection._deaf = True
-                connection._unsent = None
                 break
-            if sent < len(unsent):
-                connection._unsent = unsent[sent:]
+            if sent < len(data):
+                connection._unsent = memoryview(data)[sent:]
                 # A client that asks and does not read is not read from until it does.
                 wanted = 0 if session.stalled else selectors.EVENT_READ
                 self._select(connection, wanted | selectors.EVENT_WRITE)
                 return
-            if connection._unsent is None:
+            if unsent is None:
                 break  # all that the session had
-            connection._unsent = unsent = None
+            unsent = None
         if connection._deaf:
             session.outgoing()
         self._select(connection, selectors.EVENT_READ)
@@ -341,6 +367,7 @@ class Server:
         self._select(connection, 0)
         self.connections.discard(connection)
         self._ready.pop(connection, None)
+        self._held.pop(connection, None)
         with contextlib.suppress(OSError):
             connection._socket.close()
         if connection.port:

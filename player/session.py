@@ -13,7 +13,8 @@ the protocol. Rules of the queue after Player's TCP server:
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from player import messages
 from player.codes import (
@@ -39,9 +40,10 @@ from player.events import (
     Subscribed,
     Unsubscribed,
 )
-from player.header import HEADER, Message, MessageReader
+from player.familiar import STEP, Familiar
+from player.header import HEADER, TIME, Message, MessageReader
 from player.outbox import Outbox
-from player.xdr import Values
+from player.xdr import Record, Scalar, Values
 
 __all__ = [
     "BACKLOG_LIMIT",
@@ -64,9 +66,49 @@ MAX_REQUEST = 1 << 20
 BACKLOG_LIMIT = 1 << 20
 """Bytes of replies that may wait to be written before no further request is looked at."""
 
+LONGEST_FAMILIAR = 1 << 12
+"""Bytes of the longest piece that is remembered, in case the client sends its like again."""
+
 _PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
 
 _ASKED_OF_US = frozenset((_CMD, _REQ))
+_SERVED, _UNSERVED = DataRequested(served=True), DataRequested(served=False)
+_new = tuple.__new__  # a quarter of the time that the named tuple's own constructor takes
+
+Datum = tuple[DeviceAddr, int, bytes]
+"""Data of a device: its address there, the subtype, the payload."""
+
+_Commanded = tuple[DeviceAddr, messages.MessageSpec, int]
+"""A command in a piece: to which device, its row of the table, and where among the piece's parts
+its payload is."""
+
+
+class _Usual(NamedTuple):
+    """What a piece of the usual kind holds: commands, then a request for data or none."""
+
+    commands: tuple[_Commanded, ...]
+    asks: bool
+    seq: int  # of that request
+
+
+def _usual(found: list[Message]) -> _Usual | None:
+    """What a piece of bytes means that may come again each tick; None if it is anything else."""
+    last = found[-1]
+    asks = last[2:6] == (_PLAYER, 0, _REQ, PlayerRequest.DATA)
+    commands = []
+    for number, message in enumerate(found[:-1] if asks else found):
+        spec = messages.find(message.interf, _CMD, message.subtype)
+        if message.type != _CMD or message.interf == _PLAYER or spec is None:
+            return None
+        if not all(isinstance(kind, Scalar | Record) for _, kind in spec.fields):
+            return None  # how it lies depends on more than its length
+        try:
+            spec.decode(message.payload)
+        except XdrError:
+            return None
+        addr = DeviceAddr(message.interf, message.index)
+        commands.append((addr, spec, STEP * number + STEP - 1))
+    return _Usual(tuple(commands), asks, last.seq)
 
 
 class Session:
@@ -101,6 +143,8 @@ class Session:
         self._held_ack = False
         self._pending: dict[int, Request] = {}
         self._requests = 0
+        self._familiar = Familiar(_usual)
+        self._longest = min(LONGEST_FAMILIAR, max_request)
 
     # -- bytes in ---------------------------------------------------------------------------
 
@@ -113,6 +157,12 @@ class Session:
         events: list[Event] = []
         if self.broken:
             return events
+        if data and len(data) <= self._longest and not self._reader.buffered:
+            found = self._familiar.match(data)
+            if found is not None and self._outbox.backlog <= BACKLOG_LIMIT:
+                self._do_as_usual(*found, events)
+                return events
+            self._familiar.learn(data)
         if data:
             self._reader.feed(data)
         try:
@@ -125,6 +175,16 @@ class Session:
             self.broken = True
             events.append(Malformed(str(error)))
         return events
+
+    def _do_as_usual(self, usual: _Usual, parts: tuple[Any, ...], events: list[Event]) -> None:
+        for addr, spec, at in usual.commands:
+            if addr in self.directory:
+                values = spec.decode(parts[at])
+                events.append(_new(Command, (addr, spec.subtype, values, spec.name)))
+            else:
+                events.append(Ignored(f"there is no device {addr}"))
+        if usual.asks:
+            self._ask(usual.seq, events)
 
     @property
     def backlog(self) -> int:
@@ -183,7 +243,7 @@ class Session:
             self._reply(message, _NACK)
             return
         if subtype == PlayerRequest.DATA:
-            self._ask(message, events)
+            self._ask(message.seq, events)
             return
         try:
             values = spec.decode(message.payload) if spec.fields else {}
@@ -260,9 +320,9 @@ class Session:
             self._outbox.release()
         events.append(ModeChanged(self.mode))
 
-    def _ask(self, message: Message, events: list[Event]) -> None:
+    def _ask(self, seq: int, events: list[Event]) -> None:
         if self.mode is not DataMode.PULL:
-            self._outbox.say(self._header(message, _ACK))
+            self._outbox.say(self._data_ack(seq))
             return
         if self._held_ack:
             self._release_ack()  # asked twice: each request has its one answer
@@ -270,11 +330,17 @@ class Session:
         if self.patient:
             self._held_ack = True
         else:
-            self._outbox.say(self._header(message, _ACK))
-        served = bool(self._outbox) and not self._open_round
-        if served:
+            self._outbox.say_later(self._data_ack(seq))
+        if self._outbox and not self._open_round:
             self._serve()
-        events.append(DataRequested(served))
+            events.append(_SERVED)
+        else:
+            events.append(_UNSERVED)
+
+    def _data_ack(self, seq: int = 0) -> bytes:
+        directory = self.directory
+        front = directory.front(_PLAYER, 0, _ACK, PlayerRequest.DATA)
+        return front + TIME.pack(directory.time) + (seq << 32).to_bytes(8)
 
     # -- replies ----------------------------------------------------------------------------
 
@@ -353,20 +419,45 @@ class Session:
         if addr not in self.subscribed or self.closed:
             return
         interf, index = addr
-        directory = self.directory
-        header = HEADER.pack(
-            directory.wire_host,
-            directory.port,
-            interf,
-            index,
-            _DATA,
-            subtype,
-            time,
-            0,
-            len(payload),
-        )
+        front = self.directory.front(interf, index, _DATA, subtype)
+        message = front + TIME.pack(time) + len(payload).to_bytes(8) + payload
         self._open_round = True
-        self._outbox.queue((interf, index, subtype), header + payload)
+        self._outbox.queue((interf, index, subtype), message)
+
+    def publish_round(self, data: Sequence[Datum], time: float) -> None:
+        """All data of a tick at once: as `publish` for each, then `end_of_round`.
+
+        Of each device and subtype there is one at the most.
+        """
+        outbox = self._outbox
+        queued = outbox or outbox.dropped or outbox.ignores or len(data) > outbox.limit
+        if queued or self._open_round or not self.waiting:
+            for addr, subtype, payload in data:
+                self.publish(addr, subtype, payload, time)
+            self.end_of_round()
+            return
+        # the client waits, and nothing else does: what it gets is all of this
+        parts = [self._data_ack()] if self._held_ack else []
+        front, stamp, subscribed = self.directory.front, TIME.pack(time), self.subscribed
+        acknowledgements = len(parts)
+        for addr, subtype, payload in data:
+            if addr in subscribed:
+                interf, index = addr
+                parts += (
+                    front(interf, index, _DATA, subtype),
+                    stamp,
+                    len(payload).to_bytes(8),
+                    payload,
+                )
+        if len(parts) == acknowledgements:
+            return
+        parts.append(_SYNCH_OK)
+        outbox.say(b"".join(parts))
+        self._held_ack = self.waiting = False
+
+    def keep_newest(self) -> None:
+        """Data that waits is no more than the newest of each kind, unless the client has rules."""
+        self._outbox.keep_newest()
 
     def end_of_round(self) -> None:
         """All data of a tick has been published: it goes out if the client has asked for it."""
@@ -394,25 +485,19 @@ class Session:
         self.waiting = False
 
     def _release_ack(self) -> None:
-        directory = self.directory
         self._held_ack = False
-        self._outbox.say(
-            HEADER.pack(
-                directory.wire_host,
-                directory.port,
-                _PLAYER,
-                0,
-                _ACK,
-                PlayerRequest.DATA,
-                directory.time,
-                0,
-                0,
-            )
-        )
+        self._outbox.say(self._data_ack())
 
-    def on_output(self, notify: Callable[[], None]) -> None:
-        """Calls `notify` from now on whenever `outgoing` starts to have something to say."""
+    def on_output(
+        self, notify: Callable[[], None], notify_later: Callable[[], None] | None = None
+    ) -> None:
+        """Calls `notify` from now on whenever `outgoing` starts to have something to say.
+
+        `notify_later` in its place where that is only that a request for data has been heard: it
+        may well travel with the data, but not wait for them as long as clients wait for answers.
+        """
         self._outbox.notify = notify
+        self._outbox.notify_later = notify_later or notify
 
     def outgoing(self) -> bytes:
         """Takes the bytes that are to be written now; b"" if there are none.

@@ -128,11 +128,11 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
 
     The hook in the tick delays the run; the thread runs beside it where a core is free.
     """
+    from sim.build import load  # noqa: PLC0415
     from sim.engine import Engine, Settings  # noqa: PLC0415 - after the path is set
     from sim.fleet.fleet import Fleet  # noqa: PLC0415
     from sim.log.moment import TickState  # noqa: PLC0415
     from sim.log.recorder import open_log, size_of  # noqa: PLC0415
-    from sim.worldfile import load  # noqa: PLC0415
 
     size = (16, 21) if count == 4 else (316, 316)
     loaded = load(world(folder, "null", 1e6, size=size, count=count))
@@ -217,8 +217,8 @@ def in_process(folder: Path, count: int, ticks: int, repeats: int) -> tuple[str,
     Both by the processor's time, which other programs on the machine disturb less: simulated
     seconds per second of one core.
     """
+    from sim.build import load  # noqa: PLC0415
     from sim.scenery import Scenery  # noqa: PLC0415 - after the path is set
-    from sim.worldfile import load  # noqa: PLC0415
 
     loaded = load(world(folder, "null", 10, size=hall(count), count=count))
     field = Scenery(loaded, 1)
@@ -255,7 +255,7 @@ import resource, sys
 from time import process_time
 sys.path.insert(0, sys.argv[1])
 from sim.scenery import Scenery
-from sim.worldfile import load
+from sim.build import load
 began = process_time()
 loaded = load(sys.argv[2])
 field = Scenery(loaded, 1)

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from .noise import gaussians
     from .odometry import Odometry
     from .rays import cast
-    from .readings import Bits, Blobs, Elements, Fiducials, Intensities, Scalars, Scans
+    from .readings import Bits, Blobs, Elements, Fan, Fiducials, Intensities, Scalars, Scans
     from .registry import SENSORS, describe, load_file, sensor, settings_for
     from .scene import Scene
     from .settings import Color, Count, Number, Pose, SensorSettings, setting

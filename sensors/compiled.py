@@ -13,6 +13,17 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+MARK = "kernels.sha256"
+"""The file, beside the compiled kernels of a folder, that says of which sources they are."""
+
+
+def state_of(package: Path) -> str:
+    """A digest of what a package folder's sources are, by their names, sizes and times."""
+    stats = [(source.name, source.stat()) for source in sorted(package.glob("*.py"))]
+    text = repr([(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats])
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
 def forget_stale_code(package: Path) -> None:
     """Remove the compiled kernels of a package folder if one of its sources has changed.
 
@@ -21,11 +32,8 @@ def forget_stale_code(package: Path) -> None:
     before there is anything to forget, also where Python itself keeps no compiled code.
     """
     cache = package / "__pycache__"
-    sources = sorted(package.glob("*.py"))
-    stats = [(source.name, source.stat()) for source in sources]
-    text = repr([(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats])
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    mark = cache / "kernels.sha256"
+    digest = state_of(package)
+    mark = cache / MARK
     with suppress(OSError):  # a folder that we may not write: nothing is kept in it
         if mark.exists() and mark.read_text() == digest:
             return

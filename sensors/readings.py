@@ -284,7 +284,7 @@ def too_near(ranges: Floats, rows: npt.NDArray[np.int64], min_range: float) -> N
     """Of the wanted rows, have what is nearer than `min_range` read 0.
 
     So do real range finders whose echo comes before they listen: something is there, and nobody can
-    say where. Who turns away from what is near still turns away.
+    say where. A robot that turns away from what is near still does.
     """
     if min_range > 0.0:
         measured = ranges[rows]

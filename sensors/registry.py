@@ -23,8 +23,15 @@ S = TypeVar("S", bound=SensorSettings)
 R = TypeVar("R", bound=Readings)
 Sense = Callable[[Any, View, Any], None]
 
-BUILT_IN = ("laser", "ranger", "blobfinder", "fiducial", "bumper")
-"""The sensors that come with Troupe: each is the module of that name."""
+BUILT_IN = (
+    "laser",
+    "ranger",
+    "blobfinder",
+    "fiducial",
+    "bumper",
+)
+"""The sensors that come with Troupe: each is the module of that name. A new one is a file in this
+folder and its line above."""
 
 
 @dataclass(frozen=True)

@@ -85,6 +85,8 @@ class Suite:
         self._groups: dict[SensorSettings, Group] = {}
         self._casts: list[tuple[Group, ...]] = []  # whose fans are cast together
         self._places: list[tuple[Group, int]] = []  # per slot: its group, its row
+        self._told: bytes | None = None  # which sensors were wanted last
+        self._together: list[tuple[Group, ...]] = []  # groups whose wanted rows are sensed together
         self._new: dict[int, list[tuple[int, int, int, np.uint64]]] = {}  # by id(group)
 
     def add_robot(self, entity: int, name: str, settings: Sequence[SensorSettings]) -> int:
@@ -121,18 +123,23 @@ class Suite:
         flags = wanted() if callable(wanted) else wanted
         if flags is not None and flags.shape != (self.slots,):
             raise ValueError(f"wanted needs a flag for each of {self.slots}, not {flags.shape}")
+        told = b"" if flags is None else flags.tobytes()
+        if told != self._told:
+            self._choose(flags)
+            self._told = told
+        for groups in self._together:
+            self._sense(groups, tick, time)
+
+    def _choose(self, flags: Flags | None) -> None:
+        """Find each group's wanted rows; the array stays the same one until others are wanted."""
+        self._together = []
         for groups in self._casts:
             for group in groups:
                 group.rows = (
                     group.everybody if flags is None else np.flatnonzero(flags[group.slots])
                 )
-            if len(groups) > 1 and not (
-                flags is None or all(np.array_equal(g.rows, groups[0].rows) for g in groups)
-            ):
-                for group in groups:
-                    self._sense((group,), tick, time)
-            else:
-                self._sense(groups, tick, time)
+            alike = flags is None or all(np.array_equal(g.rows, groups[0].rows) for g in groups)
+            self._together += [groups] if alike else [(group,) for group in groups]
 
     def _sense(self, groups: tuple[Group, ...], tick: int, time: float) -> None:
         """Sense with the same rows of groups that are cast together."""
@@ -195,6 +202,7 @@ class Suite:
             group.everybody = np.arange(n)
             group.readings = group.readings.resized(n)
         self._new.clear()
+        self._told = None
         shared: dict[object, list[Group]] = {}
         for group in self.groups:
             group.fan = group.type.fan(group.settings, group.readings)
@@ -206,7 +214,7 @@ class Suite:
         self._casts = [tuple(groups) for groups in shared.values()]
 
 
-CREW = 256
+ENOUGH_FOR_THREADS = 256
 """Sensors of one group from which on it pays to share them out to threads."""
 
 
@@ -225,7 +233,11 @@ def sense_rows(groups: Sequence[Group], views: Sequence[View]) -> None:
     """
     cores, pool = threads()
     rows = views[0].rows
-    if pool is None or len(rows) < CREW or not all(group.type.threads for group in groups):
+    if (
+        pool is None
+        or len(rows) < ENOUGH_FOR_THREADS
+        or not all(group.type.threads for group in groups)
+    ):
         _sense_part(groups, views)
         return
     first, *rest = np.array_split(rows, cores)

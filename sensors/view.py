@@ -34,7 +34,7 @@ class View:
     """One batch of equal sensors, at one tick.
 
     Arrays have n rows, one per robot of the batch, as the readings do. Only `rows` are wanted;
-    a sensor may write the others too, at no use.
+    what a sensor writes into the others is not used.
     """
 
     scene: Scene

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.fleet.crew import Crew
@@ -19,7 +20,6 @@ from sim.robot import Robot, Sprayer
 from sim.sensing import Sensing
 from sim.spray import Spraying
 from sim.stage.geometry import wrapped
-from sim.worldfile import LoadedWorld
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""The video and the picture of a run: what the engine knows, put into views when one is due."""
+"""The video and the picture of a run: what the engine knows, put into snapshots when one is due."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from sensors.readings import Blobs, Scans
 from sim.stage.boundary import touchable
 from sim.stage.geometry import outline, placed
 from sim.video.layers import Layer, layers_of
-from sim.video.view import MOST_SCANS, Backdrop, Drawing, FrameView, Scan, Shape, Sighting
+from sim.video.snapshot import MOST_SCANS, Backdrop, Drawing, Scan, Shape, Sighting, Snapshot
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.engine import Engine
     from sim.video.recorder import Recorder
     from sim.video.still import Still
-    from sim.worldfile import LoadedWorld
 
 ENDED = frozenset({"finished", "failed", "hung", "lost"})
 """States of a controller that drives nobody any more."""
@@ -99,7 +99,7 @@ def shape_of(body: Any) -> Shape:
 
 
 class Film:
-    """Hands a view of the engine to the video whenever a frame is due, and to the picture once."""
+    """Hands a snapshot to the video whenever a frame is due, and to the picture once."""
 
     def __init__(self, recorder: Recorder | None = None, still: Still | None = None) -> None:
         self.recorder = recorder
@@ -119,23 +119,23 @@ class Film:
         still = self.still is not None and self.still.wants(engine.time)
         if not (video or still):
             return
-        view = self.view(engine)
+        snapshot = self.snapshot(engine)
         if video and self.recorder is not None:
-            self.recorder.frame(view, going_on=lambda: not engine.crew.interrupted)
+            self.recorder.frame(snapshot, going_on=lambda: not engine.crew.interrupted)
         if still and self.still is not None:
-            self.still.take(view)
+            self.still.take(snapshot)
 
     def finish(self, engine: Engine | None) -> None:
         """The last frame shows how the run ended; then the files are completed."""
-        view = self.view(engine) if engine is not None and engine.ticks else None
-        if self.still is not None and view is not None:
-            self.still.take(view, last=True)
+        snapshot = self.snapshot(engine) if engine is not None and engine.ticks else None
+        if self.still is not None and snapshot is not None:
+            self.still.take(snapshot, last=True)
         if self.recorder is not None:
-            if view is not None:
-                self.recorder.frame(view, last=True)
+            if snapshot is not None:
+                self.recorder.frame(snapshot, last=True)
             self.recorder.close()
 
-    def view(self, engine: Engine) -> FrameView:
+    def snapshot(self, engine: Engine) -> Snapshot:
         """The moment that the engine is at."""
         scenery = engine.scenery
         records = [robot.record for robot in engine.robots]
@@ -148,7 +148,7 @@ class Film:
             self.movables = [(shape_of(m.body), m.color) for m in engine.loaded.layout.movables]
         paints = scenery.floor.painted_area > 0.0
         settled = np.array([record.state in ENDED for record in records], bool)
-        return FrameView(
+        return Snapshot(
             time=engine.time,
             poses=scenery.stage.poses,
             colors=np.array([robot.color for robot in engine.robots], np.int64),

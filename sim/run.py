@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from sim.build import LoadedWorld
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers
 from sim.interrupts import Interrupts
 from sim.result import Result
-from sim.worldfile import LoadedWorld
 
 if TYPE_CHECKING:
     from sim.filming import Film
@@ -59,7 +59,7 @@ def run_world(
     try:
         engine = Engine(loaded, settings, fleet, say, warn, while_waiting, controllers)
         if log is not None:
-            engine.sensing.logged = log.sensors
+            engine.sensing.logged = log.sensed.wanted
         with interrupts.heard_by(engine):
             result = engine.run(after_tick if watchers else None)
         return result

@@ -12,12 +12,12 @@ from sensors.odometry import Odometry
 from sensors.scene import Scene
 from sensors.suite import Suite
 from sensors.view import Contacts
+from sim.build import LoadedWorld
 from sim.robot import Robot
 from sim.stage.floor import FloorPaint
 from sim.stage.geometry import outline
 from sim.stage.layout import Layout
 from sim.stage.stage import Stage
-from sim.worldfile import LoadedWorld
 from sim.worldfile.schema import Model
 
 Floats = NDArray[np.float64]
@@ -118,11 +118,11 @@ class Scenery:
                 self.odometry.relocate(robot, pose)
         return staying
 
-    def repaint(self, robot: Robot, color: int) -> None:
+    def set_color(self, robot: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next reading on."""
         robot.color = color
         self.scene.colors[robot.entity] = color
 
-    def remark(self, robot: Robot, fiducial: int) -> None:
+    def set_fiducial(self, robot: Robot, fiducial: int) -> None:
         """Fiducial finders see a robot with another id from the next reading on."""
         self.scene.fiducials[robot.entity] = fiducial

@@ -68,6 +68,7 @@ def run(
     duration: float | None = None,
     set: Mapping[str, Any] | Sequence[str] = (),
     realtime: float | None = None,
+    free: bool = False,
     listen: str | tuple[str, int] | None = None,
     patience: float = 60.0,
     fail_fast: bool = False,
@@ -96,6 +97,8 @@ def run(
         set: changes to the world file, such as `{"clock.interval": 0.05}`, or texts as on the
             command line, `["clock.interval=0.05"]`.
         realtime: simulated seconds per wall-clock second; as fast as possible unless given.
+        free: nobody waits for Player clients from outside: the world runs on by itself, in real
+            time unless `realtime` says otherwise.
         listen: where Player clients can connect, as `"127.0.0.1:6665"` or (host, port).
         patience: wall-clock seconds that a controller may keep the others waiting, and twice
             that until its first request; 0: for ever.
@@ -136,7 +139,8 @@ def run(
     """
     from sim.fleet.functions import FunctionError  # noqa: PLC0415
     from troupe.hooks import Hooks  # noqa: PLC0415
-    from troupe.running import as_text, run_file  # noqa: PLC0415 - `import troupe` stays light
+    from troupe.running import run_file  # noqa: PLC0415 - `import troupe` stays light
+    from troupe.setting import as_text  # noqa: PLC0415
 
     hooks = Hooks(each_tick, until, trajectories)
     try:
@@ -146,6 +150,7 @@ def run(
             duration=duration,
             settings=[*as_text(set), *as_text(settings)],
             realtime=realtime,
+            free=free,
             listen=listen,
             patience=patience,
             fail_fast=fail_fast,

@@ -9,6 +9,7 @@ import sys
 from troupe._packages import ROOT
 from troupe.interrupts import all_done, heed_interrupts
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # nothing here multiplies large matrices
 heed_interrupts()  # as the package does, where it knows that it is loaded for the command
 if sys.path and sys.path[0] in ("", os.getcwd()) and os.getcwd() != str(ROOT):
     # `python -m troupe`: what lies in the current folder must not get in our way

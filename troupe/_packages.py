@@ -16,7 +16,7 @@ NAMES = ("player", "sensors", "sim", "controllers", "gridworld")
 
 
 def claim_names() -> None:
-    """Make sure that `import sensors` and its kin find our packages, wherever we were started.
+    """Make sure that `import sensors` and the like find our packages, wherever we were started.
 
     Raises ImportError, and changes nothing, where a module of such a name has been imported that
     is not ours.

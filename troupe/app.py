@@ -2,26 +2,38 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Annotated
 
 import typer
+from typer.core import TyperCommand
 
 from troupe import __version__
-from troupe.commands.check import check
-from troupe.commands.devices import devices
-from troupe.commands.disperse import disperse
-from troupe.commands.import_ import import_
-from troupe.commands.log import log
-from troupe.commands.print_ import print_
-from troupe.commands.report import report
-from troupe.commands.run import run
-from troupe.commands.schema import schema
-from troupe.commands.sensors import sensors
-from troupe.commands.sweep import sweep
-from troupe.commands.view import view
-from troupe.commands.warm import warm
-from troupe.commands.worlds import worlds
 from troupe.view_option import ViewCommand
+
+COMMANDS = (
+    "run",
+    "view",
+    "sweep",
+    "report",
+    "worlds",
+    "examples",
+    "check",
+    "schema",
+    "sensors",
+    "log",
+    "disperse",
+    "devices",
+    "print_",
+    "import_",
+    "warm",
+)
+"""The commands in the order of `troupe --help`: each is the function, or the group of commands, of
+that name in the module of that name in `troupe/commands`. A new one is a file there and its line
+above. Where Python has a word for itself a `_` stands behind it."""
+
+READ_BY: dict[str, type[TyperCommand]] = {"run": ViewCommand}
+"""Commands whose arguments are read in a way of their own."""
 
 app = typer.Typer(
     help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",
@@ -46,17 +58,15 @@ def options(
     """What every command has in common."""
 
 
-app.command("run", cls=ViewCommand)(run)
-app.command("view")(view)
-app.command("sweep")(sweep)
-app.command("report")(report)
-app.command("worlds")(worlds)
-app.command("check")(check)
-app.command("schema")(schema)
-app.command("sensors")(sensors)
-app.add_typer(log, name="log")
-app.command("disperse")(disperse)
-app.command("devices")(devices)
-app.command("print")(print_)
-app.command("import")(import_)
-app.command("warm")(warm)
+def add(module: str) -> None:
+    """Add the command of a module of `troupe.commands`."""
+    found = getattr(import_module(f"troupe.commands.{module}"), module)
+    name = module.rstrip("_")
+    if isinstance(found, typer.Typer):
+        app.add_typer(found, name=name)
+    else:
+        app.command(name, cls=READ_BY.get(name))(found)
+
+
+for _module in COMMANDS:
+    add(_module)

@@ -11,6 +11,11 @@ SEAL = b"sealed by sha256:"
 """Stands before the digest at the end of a file; readers of pickles do not look behind these."""
 
 
+PLAIN = ("sensors", "sim")
+"""Packages whose kernels need nothing of numba but its runtime: arrays and numbers go in and out.
+Others may hand over functions, or call what numba itself adds for numpy."""
+
+
 def cache_folder() -> Path | None:
     """Where numba keeps the machine code of the sensors; None if nothing can be kept."""
     from sensors.rays import cast_fans  # noqa: PLC0415 - loads numba
@@ -35,9 +40,13 @@ def distrust_cache() -> None:
     """From now on what cannot be read is compiled anew, and what cannot be written is not kept.
 
     numba itself gives up where a file of its cache is empty, cut or damaged, as after a crash or on
-    a full disk. Changes numba in this process; a second call changes nothing.
+    a full disk. And a kernel of arrays and numbers takes no more than numba's runtime to be read:
+    numba itself would first make ready to compile anything, a fifth of a second; whoever compiles
+    does that anyway.
+    Changes numba in this process; a second call changes nothing.
     """
     from numba.core import caching  # noqa: PLC0415 - slow to load
+    from numba.core.runtime.nrt import rtsys  # noqa: PLC0415
 
     file: Any = caching.IndexDataCacheFile
     cache: Any = caching.Cache
@@ -46,6 +55,7 @@ def distrust_cache() -> None:
     file._troupe = True
     load_index, load_data, dump = file._load_index, file._load_data, file._dump
     load_overload, save_overload = cache._load_overload, cache._save_overload
+    load_prepared = cache.load_overload
 
     def index_or_none(self: Any) -> dict[Any, str]:
         try:
@@ -70,6 +80,15 @@ def distrust_cache() -> None:
 
     file._load_index = index_or_none
     file._load_data = whole_data
+
+    def load_unprepared(self: Any, sig: Any, target_context: Any) -> Any:
+        if self._py_func.__module__.partition(".")[0] not in PLAIN:
+            return load_prepared(self, sig, target_context)
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
     file._dump = lambda self, data: sealed(dump(self, data))
+    cache.load_overload = load_unprepared
     cache._load_overload = loaded
     cache._save_overload = saved

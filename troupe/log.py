@@ -18,7 +18,7 @@ from sim.log.reader import LogReader
 if TYPE_CHECKING:
     import pandas as pd
 
-    from sim.worldfile import LoadedWorld
+    from sim.build import LoadedWorld
 
 __all__ = ["Log", "LogError"]
 

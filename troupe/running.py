@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING, Any
 from sim.fleet.fleet import Fleet
 from sim.interrupts import Interrupts
 from troupe.interrupts import last_act
+from troupe.setting import Setting, as_text
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.engine import Engine, Settings
     from sim.fleet.functions import Controllers
     from sim.log.recorder import Recorder
     from sim.result import Result
-    from sim.worldfile import LoadedWorld
-    from troupe.live.opening import View
+    from troupe.live.opening import LiveView
     from troupe.world import World
 
 EachTick = Callable[["Engine"], None]
-Setting = Mapping[str, Any] | Sequence[str]
 Address = str | tuple[str, int]
 Size = str | tuple[int, int]
 
@@ -54,6 +54,7 @@ def run_file(
     settings: Setting = (),
     controllers: Controllers = True,
     realtime: float | None = None,
+    free: bool = False,
     listen: Address | None = None,
     patience: float = 60.0,
     fail_fast: bool = False,
@@ -71,7 +72,7 @@ def run_file(
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     interrupts: Interrupts | None = None,
-    view: Callable[[bool], View] | None = None,
+    view: Callable[[bool], LiveView] | None = None,
 ) -> Run:
     """Run a world file; see `troupe.run`.
 
@@ -128,6 +129,7 @@ def run_file(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,
             realtime=realtime,
+            free=free,
             listen=address,
             patience=patience or math.inf,
             fail_fast=fail_fast,
@@ -251,27 +253,6 @@ def check_numbers(
         raise UsageError(f"patience: must be above 0, or 0 to wait for ever (given: {patience:g})")
     if seed is not None and not 0 <= seed < 1 << 63:
         raise UsageError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
-
-
-def as_text(settings: Setting) -> list[str]:
-    """Changes to the world as the command line has them; JSON is YAML."""
-    if isinstance(settings, str):
-        raise UsageError(f"set: must be a mapping such as {{'clock.interval': 0.05}}: {settings!r}")
-    if not isinstance(settings, Mapping):
-        return list(settings)
-    try:
-        return [f"{key}={json.dumps(value, default=plain)}" for key, value in settings.items()]
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"set: {error}") from None
-
-
-def plain(value: Any) -> Any:
-    """What a world file can hold of a path, or of numpy's numbers and arrays."""
-    if isinstance(value, Path):
-        return str(value)
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    raise TypeError(f"a world file cannot hold {value!r}")
 
 
 def parse_listen(listen: Address) -> tuple[str, int]:

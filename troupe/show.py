@@ -14,7 +14,7 @@ from troupe.interrupts import last_acts
 if TYPE_CHECKING:
     from sim.engine import Engine
 
-from sim.printable import printable_lines
+from player.printable import printable_lines
 
 REDRAW = 0.1
 """Wall-clock seconds between two looks at the bar."""

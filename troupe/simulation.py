@@ -34,9 +34,9 @@ from troupe.usage import UsageError
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.result import ControllerState, Outcome, Result
-    from sim.video.view import FrameView
-    from sim.worldfile import LoadedWorld
+    from sim.video.snapshot import Snapshot
 
 Floats = NDArray[np.float64]
 Robots = int | str | Iterable[int | str] | None
@@ -83,6 +83,7 @@ class Simulation:
         listen: (host, port), where Player clients can connect.
         realtime: simulated seconds per wall-clock second, to which steps are held; as fast as
             possible unless given.
+        free: nobody waits for Player clients from outside, and steps are held to real time.
         patience: wall-clock seconds that a process may keep the others waiting.
         say: called with every line meant for people: what controllers print, what goes wrong.
 
@@ -101,6 +102,7 @@ class Simulation:
         set: Mapping[str, Any] | None = None,
         listen: tuple[str, int] | None = None,
         realtime: float | None = None,
+        free: bool = False,
         patience: float = 60.0,
         say: Callable[[str], None] = lambda line: None,
     ) -> None:
@@ -110,6 +112,7 @@ class Simulation:
             seed=checked_seed(self._loaded.world.seed if seed is None else seed),
             duration=self._loaded.world.duration if duration is None else duration,
             realtime=realtime,
+            free=free,
             listen=listen,
             patience=patience,
         )
@@ -206,13 +209,13 @@ class Simulation:
                 f"the run is over at {self.time:g} s ({self.outcome}); reset() starts it anew"
             )
         for _ in range(n):
+            self._engine.keep_pace()
             try:
                 if not self._engine.advance():
                     return
             except FunctionError as error:
                 self.close()
                 raise RunError(str(error), self.result()) from error.__cause__
-            self._engine.keep_pace()
 
     def stop(self) -> None:
         """End the run as `interrupted`, from another thread, say: steps do nothing any more.
@@ -437,11 +440,11 @@ class Simulation:
 
     # -- what comes out of it -----------------------------------------------------------------
 
-    def view(self) -> FrameView:
+    def snapshot(self) -> Snapshot:
         """What this moment shows, as plain arrays that are read at once."""
         from sim.filming import Film  # noqa: PLC0415
 
-        return Film().view(self._engine)
+        return Film().snapshot(self._engine)
 
     def picture(self, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
         """This moment as an image (height, width, 3), red, green, blue; `size`: width, height.
@@ -454,7 +457,7 @@ class Simulation:
         picture = Picture(backdrop_of(self._loaded), size)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
-        return np.ascontiguousarray(picture.draw(Film().view(self._engine))[:, :, ::-1])
+        return np.ascontiguousarray(picture.draw(Film().snapshot(self._engine))[:, :, ::-1])
 
     def _repr_png_(self) -> bytes:
         """The present moment, where a notebook shows the simulation."""

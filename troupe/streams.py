@@ -11,8 +11,8 @@ import sys
 from traceback import print_exception
 from typing import TYPE_CHECKING, Any, TextIO
 
+from player.printable import printable_lines
 from sim.fleet.forkserver import hold_standard_descriptors
-from sim.printable import printable_lines
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim.printable import printable
+from player.printable import printable
 from sim.result import Result, RobotRecord
 
 MOST_ROBOTS = 40

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.printable import printable
+from player.printable import printable
 from troupe.log import Log
 from troupe.usage import UsageError
 

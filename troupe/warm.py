@@ -14,7 +14,13 @@ from pathlib import Path
 # ruff: noqa: PLC0415
 
 ROOT = Path(__file__).resolve().parent.parent
-SOURCES = ("sensors", "sim/stage", "controllers/dispersal", "gridworld")
+SOURCES = (
+    "sensors",
+    "sim/stage",
+    "controllers/dispersal",
+    "controllers/dispersal/rules",
+    "gridworld",
+)
 """The folders of the kernels."""
 
 KEPT = "compiling the kernels for this machine, only once (it may take a minute); kept in {} ..."
@@ -93,10 +99,10 @@ def machine() -> str:
     return hashlib.sha256(repr((parts, features)).encode()).hexdigest()[:12]
 
 
-def sources() -> str:
+def sources(root: Path = ROOT) -> str:
     """A digest of what the kernels' sources are, by their sizes and times."""
-    files = sorted(path for name in SOURCES for path in (ROOT / name).glob("*.py"))
-    stats = [(path.name, path.stat()) for path in [*files, Path(__file__)]]
+    files = sorted(path for name in SOURCES for path in (root / name).glob("*.py"))
+    stats = [(path.name, path.stat()) for path in [*files, root / "troupe" / "warm.py"]]
     text = repr([(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats])
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
@@ -109,9 +115,9 @@ def compile_all() -> None:
 
 def sense_and_move() -> None:
     """Two ticks of a small world in which everything is sensed and every drive and sprayer on."""
+    from sim.build import load
     from sim.engine import Engine, Settings
     from sim.fleet.fleet import Fleet
-    from sim.worldfile import load
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "everything.yaml"

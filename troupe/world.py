@@ -8,10 +8,9 @@ from typing import Any, Self
 
 import yaml
 
-from sim.worldfile import LoadedWorld, load
-from sim.worldfile.loading import load_data
+from sim.build import LoadedWorld, load, load_data
 from sim.worldfile.nodes import plain
-from troupe.running import as_text
+from troupe.setting import as_text
 from troupe.worlds import find_world
 
 

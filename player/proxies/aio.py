@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 import numpy.typing as npt
 
+from player import layouts
 from player.codes import Interface
 from player.errors import XdrError
 from player.proxies.base import Proxy, reading
 
-_COUNTS = struct.Struct(">II")
-_VALUES = np.dtype(">f4")
+_STATE = layouts.data(Interface.AIO)
 
 
 class AioProxy(Proxy):
@@ -37,10 +35,10 @@ class AioProxy(Proxy):
         """STATE; see Proxy."""
         if subtype != 1:
             return
-        n, again = _COUNTS.unpack_from(payload) if len(payload) >= 8 else (0, 1)
-        if n != again or len(payload) != 8 + 4 * n:
+        n = _STATE.count(payload)
+        if n is None:
             raise XdrError(f"{self.addr}: {len(payload)} bytes are no values")
-        self.values = np.frombuffer(payload, _VALUES, n, 8).astype(np.float64)
+        self.values = np.frombuffer(payload, _STATE.element, n, _STATE.head.size).astype(np.float64)
 
     def set_output(self, number: int, value: float) -> None:
         """Commands output `number` to a value."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 from player import messages
@@ -35,21 +36,31 @@ def geometry(values: Values) -> Geometry:
 class _Reading:
     """What stands in a proxy's class for a value that data brings; an instance's own hides it."""
 
+    def __init__(self, make: Callable[[Any], Any] | None) -> None:
+        self._make = make
+
     def __set_name__(self, owner: type[Proxy], name: str) -> None:
         self._name = name
 
     def __get__(self, proxy: Proxy | None, owner: type[Proxy]) -> Any:
         if proxy is None:
             return self
+        if self._make is not None and proxy.valid:
+            value = proxy.__dict__[self._name] = self._make(proxy)
+            return value
         raise NoReading(
             f"{proxy.addr} has sent no {self._name} yet: call read() first "
             "(a proxy's `valid` says whether a reading has come)"
         )
 
 
-def reading() -> Any:
-    """A proxy's value that data brings: whoever looks at it before gets NoReading."""
-    return _Reading()
+def reading(make: Callable[[Any], Any] | None = None) -> Any:
+    """A proxy's value that data brings: whoever looks at it before gets NoReading.
+
+    `make(proxy)`: makes the value of the last data when it is first looked at; the proxy takes the
+    one before out of its `__dict__` when new data comes.
+    """
+    return _Reading(make)
 
 
 class Proxy:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import contextlib
-import struct
 from math import isfinite, tau
 from typing import Any, NamedTuple
 
+from player import layouts
 from player.codes import Interface
 from player.errors import PlayerRefused, PlayerTimeout, XdrError
 from player.proxies.base import Proxy, reading
 from player.table import Blob as WireBlob
 
-_HEAD = struct.Struct(">4I")
-_BLOB = struct.Struct(">9If")
+_HEAD = layouts.data(Interface.BLOBFINDER).head
+_BLOB = layouts.data(Interface.BLOBFINDER).records
+_new = tuple.__new__  # a quarter of the time that the named tuple's own constructor takes
 
 GET_DOUBLE_PROPERTY = 252
 """Player's request for a number that a driver knows by name."""
@@ -62,13 +63,22 @@ class BlobfinderProxy(Proxy):
 
     interface = Interface.BLOBFINDER
 
-    blobs: list[Blob] = reading()
+    def _make_blobs(self) -> list[Blob]:
+        blobs = [_new(Blob, row) for row in _BLOB.iter_unpack(self._payload[_HEAD.size :])]
+        if blobs:
+            image = Image(self, self.width)
+            for blob in blobs:
+                blob.image = image
+        return blobs
+
+    blobs: list[Blob] = reading(_make_blobs)
     """Blobs in sight; `color` is 0xRRGGBB, `range` metres, `bearing` radians."""
     width: int = reading()
     """Pixels of the image."""
     height: int = reading()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self._payload = b""
         self._fov: float | None = None
         self._fov_asked = False
         super().__init__(*args, **kwargs)
@@ -100,16 +110,13 @@ class BlobfinderProxy(Proxy):
         if subtype != 1:
             return
         size = len(payload)
-        if size < 16 or (size - 16) % 40:
+        if size < _HEAD.size:
             raise XdrError(f"{self.addr}: {size} bytes are no blobs")
-        self.width, self.height, n, again = _HEAD.unpack_from(payload)
-        if n != again or size != 16 + 40 * n:
+        width, height, n, again = _HEAD.unpack_from(payload)
+        if n != again or size != _HEAD.size + n * _BLOB.size:
             raise XdrError(f"{self.addr}: {n} blobs do not fit {size} bytes")
-        self.blobs = blobs = list(map(Blob._make, _BLOB.iter_unpack(payload[16:])))
-        if blobs:
-            image = Image(self, self.width)
-            for blob in blobs:
-                blob.image = image
+        self.width, self.height, self._payload = width, height, payload
+        self.__dict__.pop("blobs", None)
 
     def set_tracking_color(
         self, red: tuple[int, int], green: tuple[int, int], blue: tuple[int, int], channel: int = 0

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from player import layouts
 from player.codes import Interface
 from player.errors import XdrError
 from player.proxies.base import Proxy, reading
+
+_VALUES = layouts.data(Interface.DIO)
 
 
 class DioProxy(Proxy):
@@ -21,10 +24,11 @@ class DioProxy(Proxy):
         """VALUES; see Proxy."""
         if subtype != 1:
             return
-        if len(payload) != 8:
-            raise XdrError(f"{self.addr}: {len(payload)} bytes of lines (8 expected)")
-        self.count = int.from_bytes(payload[:4])
-        self.bits = int.from_bytes(payload[4:])
+        if len(payload) != _VALUES.head.size:
+            raise XdrError(
+                f"{self.addr}: {len(payload)} bytes of lines ({_VALUES.head.size} expected)"
+            )
+        self.count, self.bits = _VALUES.head.unpack(payload)
 
     def set_output(self, bits: int, count: int = 1) -> None:
         """Commands the first `count` lines to the values in `bits`."""

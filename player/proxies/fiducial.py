@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import struct
-
+from player import layouts
 from player.codes import Interface
 from player.errors import XdrError
 from player.proxies.base import Geometry, Proxy, geometry, reading
 from player.table import Fiducial
 
-_COUNTS = struct.Struct(">II")
-_FIDUCIAL = struct.Struct(">i12d")
+_FIDUCIALS = layouts.data(Interface.FIDUCIAL)
 
 
 class FiducialProxy(Proxy):
@@ -25,13 +23,10 @@ class FiducialProxy(Proxy):
         """The fiducials in sight; see Proxy."""
         if subtype != 1:
             return
-        size = len(payload)
-        if size < 8 or (size - 8) % 100:
-            raise XdrError(f"{self.addr}: {size} bytes are no fiducials")
-        n, again = _COUNTS.unpack_from(payload)
-        if n != again or size != 8 + 100 * n:
-            raise XdrError(f"{self.addr}: {n} fiducials do not fit {size} bytes")
-        self.fiducials = list(map(Fiducial._make, _FIDUCIAL.iter_unpack(payload[8:])))
+        if _FIDUCIALS.count(payload) is None:
+            raise XdrError(f"{self.addr}: {len(payload)} bytes are no fiducials")
+        rows = _FIDUCIALS.records.iter_unpack(payload[_FIDUCIALS.head.size :])
+        self.fiducials = list(map(Fiducial._make, rows))
 
     def request_geometry(self) -> Geometry:
         """Where the detector is mounted, and its size."""

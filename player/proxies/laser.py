@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from player import layouts
 from player.codes import Interface
 from player.errors import XdrError
 from player.proxies.base import Geometry, Proxy, geometry, reading
@@ -15,10 +16,10 @@ from player.xdr import Pose2d
 
 Floats = npt.NDArray[np.float64]
 
-_HEAD = struct.Struct(">4fII")
-_COUNTS = struct.Struct(">II")
-_POSE = struct.Struct(">3d")
-_RANGES = np.dtype(">f4")
+_SCAN, _SCAN_POSE = 1, 2
+_HEAD, _MARKS, _ID = layouts.data(Interface.LASER, _SCAN).stretches
+_START, _EACH = _HEAD.numbers.size, _HEAD.element.itemsize
+_TAILS = {_SCAN: _ID.numbers, _SCAN_POSE: layouts.data(Interface.LASER, _SCAN_POSE).tail}
 
 
 class LaserConfig(NamedTuple):
@@ -57,6 +58,8 @@ class LaserProxy(Proxy):
         self._bearings: Floats = np.zeros(0)
         self._rays: Floats = np.zeros((0, 2))
         self._fan: tuple[float, float, int] | None = None
+        self._like: tuple[bytes, bytes, int] | None = None
+        """What the last scan was around its ranges, and how many those are."""
         super().__init__(*args, **kwargs)
 
     @property
@@ -94,27 +97,33 @@ class LaserProxy(Proxy):
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """SCAN, SCANPOSE and SCANANGLE; see Proxy."""
-        if subtype not in (1, 2):
+        if self._like is not None and subtype == _SCAN:
+            head, after, n = self._like
+            if payload.startswith(head) and payload[_START + n * _EACH :] == after:
+                self.ranges = np.frombuffer(payload, _HEAD.element, n, _START).astype(np.float64)
+                return
+        self._like = None
+        tail = _TAILS.get(subtype)
+        if tail is None:
             self._decode_angles(subtype, payload)
             return
         try:
-            *angles, n, again = _HEAD.unpack_from(payload)
-            end = 24 + 4 * n
-            m, m_again = _COUNTS.unpack_from(payload, end)
-            tail = end + 8 + m + (-m % 4)
-            if n != again or m != m_again or len(payload) != tail + (4 if subtype == 1 else 28):
+            *angles, n, again = _HEAD.numbers.unpack_from(payload)
+            end = _START + n * _EACH
+            m, m_again = _MARKS.numbers.unpack_from(payload, end)
+            marks = end + _MARKS.numbers.size
+            rest = marks + m + (-m % 4)
+            if n != again or m != m_again or len(payload) != rest + tail.size:
                 raise XdrError(f"{self.addr}: the scan's counts ({n}, {m}) do not fit its size")
-            ranges = np.frombuffer(payload, _RANGES, n, 24).astype(np.float64)
-            self.id = int.from_bytes(payload[tail : tail + 4])
-            pose = Pose2d(*_POSE.unpack_from(payload, tail + 4)) if subtype == 2 else None
-        except (struct.error, ValueError) as error:
-            if isinstance(error, XdrError):
-                raise
+        except struct.error:
             raise XdrError(f"{self.addr}: {len(payload)} bytes are no scan") from None
+        self.id, *pose = tail.unpack_from(payload, rest)
         self.min_angle, self.max_angle, self.resolution, self.max_range = angles
-        self.ranges = ranges
-        self.intensity = np.frombuffer(payload, np.uint8, m, end + 8)
-        self.robot_pose = pose
+        self.ranges = np.frombuffer(payload, _HEAD.element, n, _START).astype(np.float64)
+        self.intensity = np.frombuffer(payload, _MARKS.element, m, marks)
+        self.robot_pose = Pose2d(*pose) if pose else None
+        if subtype == _SCAN:
+            self._like = (payload[:_START], payload[end:], n)
 
     def _decode_angles(self, subtype: int, payload: bytes) -> None:
         values = self._table(subtype, payload)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import struct
 from math import isfinite
 
+from player import layouts
 from player.codes import Interface, MessageType
 from player.errors import XdrError
-from player.header import HEADER
 from player.proxies.base import Geometry, Proxy, geometry, reading
 from player.xdr import Pose2d
 
-_STATE = struct.Struct(">6dI")
-_VELOCITY = struct.Struct(HEADER.format + "3dI")
-_VELOCITY_SIZE = _VELOCITY.size - HEADER.size
+_STATE = layouts.data(Interface.POSITION2D).head
+_VELOCITY_SIZE = layouts.command(Interface.POSITION2D).head.size
+_VELOCITY = layouts.command(Interface.POSITION2D).framed
 _CMD = int(MessageType.CMD)
 
 
@@ -48,7 +48,9 @@ class Position2dProxy(Proxy):
         try:
             self.x, self.y, self.yaw, self.vx, self.vy, self.vyaw, stall = _STATE.unpack(payload)
         except struct.error:
-            raise XdrError(f"{self.addr}: {len(payload)} bytes of state (52 expected)") from None
+            raise XdrError(
+                f"{self.addr}: {len(payload)} bytes of state ({_STATE.size} expected)"
+            ) from None
         self.stall = bool(stall)
 
     def set_speed(self, vx: float, vyaw: float = 0.0, *, vy: float = 0.0) -> None:

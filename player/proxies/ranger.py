@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import struct
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from player import layouts
 from player.codes import Interface
 from player.errors import PlayerRefused, PlayerTimeout, XdrError
 from player.proxies.base import Proxy, Size, reading
@@ -16,8 +16,8 @@ from player.xdr import Pose3d, Values
 
 Floats = npt.NDArray[np.float64]
 
-_COUNTS = struct.Struct(">II")
-_FLOATS = np.dtype(">f8")
+_RANGES, _INTENSITIES = 1, 3
+_PLAIN = {subtype: layouts.data(Interface.RANGER, subtype) for subtype in (_RANGES, _INTENSITIES)}
 
 
 class RangerConfig(NamedTuple):
@@ -106,14 +106,13 @@ class RangerProxy(Proxy):
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """RANGE and INTNS, with or without stamps, and GEOM; see Proxy."""
-        if subtype in (1, 3):
-            if len(payload) < 8:
+        form = _PLAIN.get(subtype)
+        if form is not None:
+            n = form.count(payload)
+            if n is None:
                 raise XdrError(f"{self.addr}: {len(payload)} bytes are no ranges")
-            n, again = _COUNTS.unpack_from(payload)
-            if n != again or len(payload) != 8 + 8 * n:
-                raise XdrError(f"{self.addr}: {n} ranges do not fit {len(payload)} bytes")
-            numbers = np.frombuffer(payload, _FLOATS, n, 8).astype(np.float64)
-            if subtype == 1:
+            numbers = np.frombuffer(payload, form.element, n, form.head.size).astype(np.float64)
+            if subtype == _RANGES:
                 self._take_ranges(numbers)
             else:
                 self.intensities = numbers

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Scalars
 from sim.devices.device import Refused, Values
 from sim.devices.sensor import SensorDevice
 
-COUNTS = struct.Struct(">II")
+STATE = layouts.data(Interface.AIO)
 
 
 class Aio(SensorDevice):
@@ -22,8 +21,10 @@ class Aio(SensorDevice):
     def publish(self) -> Iterable[tuple[int, bytes]]:
         readings = self.group.readings
         assert isinstance(readings, Scalars)
-        values = readings.values[self.row].astype(">f4")
-        return ((1, COUNTS.pack(len(values), len(values)) + values.tobytes()),)
+        values = readings.values[self.row]
+        message = STATE.rows(1, voltages=len(values))
+        message["voltages"] = values
+        return ((1, message.tobytes()),)
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Blobs
 from sim.devices.device import Context, Refused, Values
-from sim.devices.encoding import BLOB, BLOBS, Encodings
+from sim.devices.encoding import Encodings
 from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
@@ -22,6 +22,9 @@ MOST_CHANNELS = 32
 """Channels of colour that a blobfinder can be told (as many as the CMUcam of old had)."""
 FIELD_OF_VIEW = "fov"
 """The property that tells the image's width as an angle, radians: blobs travel without it."""
+
+
+BLOBS = layouts.data(Interface.BLOBFINDER)
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,10 @@ class Blobfinder(SensorDevice):
         readings = self.group.readings
         assert isinstance(readings, Blobs)
         seen = self.chosen(readings.seen(self.row))
-        head = BLOBS.pack(readings.width, readings.height, len(seen), len(seen))
-        return ((1, head + seen.astype(BLOB).tobytes()),)
+        message = BLOBS.rows(1, blobs=len(seen))
+        message["width"], message["height"] = readings.width, readings.height
+        message["blobs"] = seen
+        return ((1, message.tobytes()),)
 
     def chosen(self, seen: Any) -> Any:
         """The blobs that a channel takes, with its number."""

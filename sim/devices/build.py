@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from importlib import import_module
 
 from sensors.suite import Group
 from sim.devices.aio import Aio
 from sim.devices.blobfinder import Blobfinder
 from sim.devices.bumper import Bumper
 from sim.devices.device import Context, Device
-from sim.devices.dio import Dio
 from sim.devices.encoding import Encodings
 from sim.devices.fiducial import FiducialFinder, Marker
-from sim.devices.graphics2d import Graphics2d
 from sim.devices.laser import Laser
 from sim.devices.position2d import Position2d
 from sim.devices.ranger import Ranger
-from sim.devices.simulation import Simulation
 from sim.devices.sonar import Sonar
-from sim.devices.speech import Speech
 from sim.robot import Robot
 
 SensorMaker = Callable[[Context, Encodings, Robot, int], Device]
+Maker = Callable[[Context, Robot], Iterable[Device]]
 
 SENSORS: dict[str, tuple[SensorMaker, ...]] = {
     "scan": (Laser, Ranger),
@@ -34,6 +32,18 @@ SENSORS: dict[str, tuple[SensorMaker, ...]] = {
 }
 """The devices of a sensor, by the kind of its readings: its own, and its twins for programs that
 ask for an older or a newer interface."""
+
+
+OTHERS = (
+    "dio",
+    "speech",
+    "graphics2d",
+    "simulation",
+)
+"""The devices that are no sensors: each is a module of this folder, whose `devices(context, robot)`
+gives those that a robot has. A new one is a file here and its line above."""
+
+MAKERS: list[Maker] = [import_module(f"sim.devices.{name}").devices for name in OTHERS]
 
 
 def served_as(group: Group) -> tuple[SensorMaker, ...]:
@@ -63,8 +73,5 @@ def robot_devices(context: Context, encodings: Encodings, robot: Robot) -> list[
     return [
         *devices,
         *twins,
-        *(Dio(context, robot, index) for index in range(len(model.actuators))),
-        Speech(context, robot),
-        Graphics2d(context, robot),
-        Simulation(context, robot, model.simulation == "full"),
+        *(device for make in MAKERS for device in make(context, robot)),
     ]

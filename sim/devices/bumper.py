@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterable
 
 import numpy as np
 
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Bits
 from sim.devices.device import Context, Refused, Values, flat_pose
@@ -17,7 +16,7 @@ from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 from sim.stage.geometry import size_of
 
-COUNTS = struct.Struct(">II")
+STATE = layouts.data(Interface.BUMPER)
 
 
 class Bumper(SensorDevice):
@@ -33,8 +32,10 @@ class Bumper(SensorDevice):
     def publish(self) -> Iterable[tuple[int, bytes]]:
         readings = self.group.readings
         assert isinstance(readings, Bits)
-        bits = readings.bits[self.row].astype(np.uint8).tobytes()
-        return ((1, COUNTS.pack(len(bits), len(bits)) + bits + bytes(-len(bits) % 4)),)
+        bits = readings.bits[self.row]
+        message = STATE.rows(1, bumpers=len(bits))
+        message["bumpers"] = bits
+        return ((1, message.tobytes()),)
 
     def request(self, name: str, values: Values) -> Values | None:
         """A segment per switch: an arc of the circle that is as wide as the body."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from player import DeviceAddr
 from player.server import Connection
+from sim.devices.things import Thing
 from sim.robot import Robot
 from sim.scenery import Scenery
 
@@ -42,6 +43,7 @@ class Context:
     interval: float
     robots: list[Robot] = field(default_factory=list)
     by_name: dict[str, Robot] = field(default_factory=dict)
+    things: dict[str, Thing] = field(default_factory=dict)  # obstacles, by name
     time: float = 0.0
     paused: bool = False  # by a client
     held: bool = False  # by somebody who watches: no controller is to blame for the wait
@@ -52,6 +54,8 @@ class Context:
     )
     puts: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
     # robots that are to be put at poses, by the robot whose client asked
+    thing_puts: dict[int, dict[str, tuple[float, float, float]]] = field(default_factory=dict)
+    # the same of obstacles, by their names
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
@@ -83,6 +87,14 @@ class Context:
         for asking in sorted(self.puts):
             goals.update(self.puts[asking])
         self.puts.clear()
+        return goals
+
+    def take_thing_puts(self) -> dict[str, tuple[float, float, float]]:
+        """Where obstacles shall be put, by name, likewise; and forget it."""
+        goals: dict[str, tuple[float, float, float]] = {}
+        for asking in sorted(self.thing_puts):
+            goals.update(self.thing_puts[asking])
+        self.thing_puts.clear()
         return goals
 
     def carry_out(self) -> list[tuple[Connection, Exception]]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sim.devices.device import Context, Refused, Values
 from sim.robot import Robot
 
-DIO = struct.Struct(">II")
+VALUES = layouts.data(Interface.DIO).head
 
 
 class Dio:
@@ -24,7 +23,7 @@ class Dio:
         self.addr = DeviceAddr(Interface.DIO, index)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, DIO.pack(1, int(self.sprayer.on))),)
+        return ((1, VALUES.pack(1, int(self.sprayer.on))),)
 
     def command(self, name: str, values: Values) -> None:
         if name != "values" or values["count"] < 1:
@@ -37,3 +36,8 @@ class Dio:
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
+
+
+def devices(context: Context, robot: Robot) -> Iterable[Dio]:
+    """One for each of the robot's sprayers."""
+    return [Dio(context, robot, index) for index in range(len(robot.sprayers))]

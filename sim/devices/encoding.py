@@ -6,7 +6,6 @@ gets it.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -14,19 +13,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from player import layouts
+from player.codes import Interface
 from sensors.readings import Blobs, Elements, Intensities, Scans
 from sensors.suite import Group
 
-STATE = np.dtype([("pose", ">f8", 3), ("velocity", ">f8", 3), ("stall", ">u4")])
-BLOBS = struct.Struct(">IIII")
-BLOB = np.dtype(
-    [(name, ">u4") for name in ["id", "color", "area", "x", "y", "left", "right", "top", "bottom"]]
-    + [("range", ">f4")]
-)
+STATE = layouts.data(Interface.POSITION2D)
+SCAN = layouts.data(Interface.LASER)
+RANGES, INTENSITIES = layouts.data(Interface.RANGER, 1), layouts.data(Interface.RANGER, 3)
+SONAR = layouts.data(Interface.SONAR)
+BLOBS = layouts.data(Interface.BLOBFINDER)
+WHOLE = BLOBS.element.names.index("range")  # type: ignore[union-attr]
+"""The whole numbers of a blob: all but its range, the last, in sensors' blobs as on the wire."""
 
 
-Encode = Callable[[Group], tuple[Sequence[int], bytes]]
-"""Encodes a group's wanted rows: where each one's message ends, and all of them in a row."""
+Encode = Callable[[Group], Sequence[bytes]]
+"""Encodes a group's wanted rows: a message each."""
 
 
 class GroupEncoder:
@@ -36,28 +38,27 @@ class GroupEncoder:
         self.group = group
         self.encode = encode
         self.round = -1
-        self.ends: Sequence[int] = ()
-        self.data = b""
+        self.messages: Sequence[bytes] = ()
         self.rows: NDArray[Any] = np.zeros(0, np.int64)
         self.places: dict[int, int] = {}  # of rows among those that are wanted
 
     def payload(self, row: int, round: int) -> bytes:
         """The message of one row of the group."""
         if round != self.round:
-            self.ends, self.data = self.encode(self.group)
-            if not np.array_equal(self.rows, self.group.rows):
-                self.rows = self.group.rows.copy()
+            self.messages = self.encode(self.group)
+            if self.rows is not self.group.rows:
+                self.rows = self.group.rows  # another array where they are others: see Suite
                 self.places = {row: k for k, row in enumerate(self.rows.tolist())}
             self.round = round
-        place = self.places[row]
-        return self.data[self.ends[place - 1] if place else 0 : self.ends[place]]
+        return self.messages[self.places[row]]
 
 
 class StateEncoder:
     """The state messages of all robots, encoded together once per tick."""
 
     def __init__(self) -> None:
-        self.rows: NDArray[Any] = np.zeros(0, STATE)
+        self.rows = STATE.rows(0)
+        self.size = self.rows.itemsize
         self.data = b""
 
     def update(
@@ -68,15 +69,15 @@ class StateEncoder:
     ) -> None:
         """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
         if len(self.rows) != len(poses):
-            self.rows = np.zeros(len(poses), STATE)
-        self.rows["pose"] = poses
-        self.rows["velocity"] = velocities
+            self.rows = STATE.rows(len(poses))
+        self.rows["pos"] = poses
+        self.rows["vel"] = velocities
         self.rows["stall"] = stalls
         self.data = self.rows.tobytes()
 
     def payload(self, robot: int) -> bytes:
         """Robot's message."""
-        return self.data[robot * STATE.itemsize : (robot + 1) * STATE.itemsize]
+        return self.data[robot * self.size : (robot + 1) * self.size]
 
 
 class Encodings:
@@ -91,24 +92,50 @@ class Encodings:
         """One of the messages below, of one row of a group, as of this round."""
         encoder = self.groups.get((id(group), message))
         if encoder is None:
-            encoder = GroupEncoder(group, ENCODE[message])
+            encoder = GroupEncoder(group, ENCODERS[message]())
             self.groups[id(group), message] = encoder
         return encoder.payload(row, self.round)
 
 
-def encode_scans(group: Group) -> NDArray[Any]:
+class Alike:
+    """Messages that are all of one length: rows that are filled anew in each round.
+
+    `make(group)` gives the rows with all that never changes, `fill(rows, group)` writes the rest.
+    """
+
+    def __init__(
+        self,
+        make: Callable[[Group], NDArray[Any]],
+        fill: Callable[[NDArray[Any], Group], None],
+    ) -> None:
+        self.make = make
+        self.fill = fill
+        self.rows: NDArray[Any] = np.zeros(0)
+
+    def __call__(self, group: Group) -> Sequence[bytes]:
+        if len(self.rows) != len(group.rows):
+            self.rows = self.make(group)
+        self.fill(self.rows, group)
+        size, data = self.rows.itemsize, self.rows.tobytes()
+        return [data[start : start + size] for start in range(0, len(data), size)]
+
+
+def make_scans(group: Group) -> NDArray[Any]:
     """laser SCAN (subtype 1)."""
     scans: Any = group.readings
-    n = scans.ranges.shape[1]
-    rows = np.zeros(len(group.rows), scan_type(n))
+    rows = SCAN.rows(len(group.rows), ranges=scans.ranges.shape[1], intensity=0)
     rows["min_angle"] = -scans.fov / 2
     rows["max_angle"] = scans.fov / 2
     rows["resolution"] = scans.resolution
     rows["max_range"] = scans.max_range
-    rows["counts"] = n
+    return rows
+
+
+def fill_scans(rows: NDArray[Any], group: Group) -> None:
+    """The ranges of SCAN."""
+    scans: Any = group.readings
     hit = wanted(group, scans.hits) >= 0
     rows["ranges"] = told(wanted(group, scans.ranges), hit, scans.max_range)
-    return rows
 
 
 def wanted(group: Group, array: NDArray[Any]) -> NDArray[Any]:
@@ -142,89 +169,78 @@ def last_before(max_range: float, kind: str) -> float:
         return float(np.nextafter(end, np.zeros((), kind)))
 
 
-@cache
-def scan_type(n: int) -> np.dtype[Any]:
-    """The layout of a SCAN of n rays without intensities."""
-    return np.dtype(
-        [
-            ("min_angle", ">f4"),
-            ("max_angle", ">f4"),
-            ("resolution", ">f4"),
-            ("max_range", ">f4"),
-            ("counts", ">u4", 2),
-            ("ranges", ">f4", n),
-            ("intensities", ">u4", 2),
-            ("id", ">u4"),
-        ]
-    )
+def plain(form: layouts.Form, values: Callable[[Group], NDArray[np.float64]]) -> Alike:
+    """Messages of one array and nothing else: a row of values each."""
+    [name] = form.arrays
+
+    def make(group: Group) -> NDArray[Any]:
+        return form.rows(len(group.rows), **{name: values(group).shape[1]})
+
+    def fill(rows: NDArray[Any], group: Group) -> None:
+        rows[name] = values(group)
+
+    return Alike(make, fill)
 
 
-def encode_array(values: NDArray[np.float64], kind: str) -> NDArray[Any]:
-    """Dynamic arrays, one per row: count, count, values."""
-    n = values.shape[1]
-    rows = np.zeros(len(values), np.dtype([("counts", ">u4", 2), ("values", kind, n)]))
-    rows["counts"] = n
-    rows["values"] = values
-    return rows
-
-
-def encode_ranges(group: Group) -> NDArray[Any]:
-    """ranger RANGE (subtype 1)."""
+def ranges(group: Group) -> NDArray[np.float64]:
+    """What ranger RANGE (subtype 1) tells."""
     readings = group.readings
     assert isinstance(readings, Scans | Elements | Intensities)
-    ranges = wanted(group, readings.ranges)
+    measured = wanted(group, readings.ranges)
     if isinstance(readings, Scans):
         hit = wanted(group, readings.hits) >= 0
-        ranges = told(ranges, hit, readings.max_range, "f8")
-    return encode_array(ranges, ">f8")
+        return told(measured, hit, readings.max_range, "f8")
+    return measured
 
 
-def encode_intensities(group: Group) -> NDArray[Any]:
-    """ranger INTNS (subtype 3): a scan's are 1 where it has hit something, 0 elsewhere."""
+def intensities(group: Group) -> NDArray[np.float64]:
+    """What ranger INTNS (subtype 3) tells: of a scan, 1 where it has hit something, 0 elsewhere."""
     readings = group.readings
     assert isinstance(readings, Scans | Intensities)
     if isinstance(readings, Scans):
-        return encode_array((readings.hits[group.rows] >= 0).astype(np.float64), ">f8")
-    return encode_array(readings.intensities[group.rows], ">f8")
+        return (wanted(group, readings.hits) >= 0).astype(np.float64)
+    return wanted(group, readings.intensities)
 
 
-def encode_sonar(group: Group) -> NDArray[Any]:
-    """sonar RANGES (subtype 1)."""
+def sonar(group: Group) -> NDArray[np.float64]:
+    """What sonar RANGES (subtype 1) tells."""
     assert isinstance(group.readings, Elements)
-    return encode_array(group.readings.ranges[group.rows], ">f4")
+    return wanted(group, group.readings.ranges)
 
 
-def encode_blobs(group: Group) -> tuple[list[int], bytes]:
+def encode_blobs(group: Group) -> Sequence[bytes]:
     """blobfinder BLOBS (subtype 1)."""
     readings = group.readings
     assert isinstance(readings, Blobs)
-    counts = readings.counts[group.rows]
+    counts = wanted(group, readings.counts)
     most = int(counts.max(initial=0))
     held = np.arange(most) < counts[:, None]
-    blobs = readings.blobs[group.rows, :most][held].astype(BLOB).tobytes()
-    parts, start = [], 0
+    data = blobs_as_told(wanted(group, readings.blobs)[:, :most][held])
+    head, size = BLOBS.head, BLOBS.element.itemsize
+    messages, start = [], 0
     for count in counts.tolist():
-        end = start + count * BLOB.itemsize
-        parts += [BLOBS.pack(readings.width, readings.height, count, count), blobs[start:end]]
+        end = start + count * size
+        messages.append(head.pack(readings.width, readings.height, count, count) + data[start:end])
         start = end
-    return np.cumsum(BLOBS.size + counts * BLOB.itemsize).tolist(), b"".join(parts)
+    return messages
 
 
-def alike(encode: Callable[[Group], NDArray[Any]]) -> Encode:
-    """Messages that are all of one length."""
+def blobs_as_told(blobs: NDArray[Any]) -> bytes:
+    """Blobs (k,) as they travel: whole numbers, and then the range.
 
-    def encoded(group: Group) -> tuple[Sequence[int], bytes]:
-        rows = encode(group)
-        size = rows.dtype.itemsize
-        return range(size, size * len(rows) + 1, size), rows.tobytes()
+    All whole numbers at once: numpy converts records field by field, which takes ten times as long.
+    """
+    told = np.empty((len(blobs), WHOLE + 1), BLOBS.element["id"])
+    words = np.ascontiguousarray(blobs).view(np.uint32).reshape(len(blobs), -1)
+    told[:, :WHOLE] = words[:, :WHOLE]
+    told.view(BLOBS.element["range"])[:, WHOLE] = blobs["range"]
+    return told.tobytes()
 
-    return encoded
 
-
-ENCODE: dict[str, Encode] = {
-    "scans": alike(encode_scans),
-    "ranges": alike(encode_ranges),
-    "intensities": alike(encode_intensities),
-    "sonar": alike(encode_sonar),
-    "blobs": encode_blobs,
+ENCODERS: dict[str, Callable[[], Encode]] = {
+    "scans": lambda: Alike(make_scans, fill_scans),
+    "ranges": lambda: plain(RANGES, ranges),
+    "intensities": lambda: plain(INTENSITIES, intensities),
+    "sonar": lambda: plain(SONAR, sonar),
+    "blobs": lambda: encode_blobs,
 }

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
-
-from player import DeviceAddr
+from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Fiducials
 from sim.devices.device import Context, Refused, Values, flat_pose
@@ -16,8 +13,8 @@ from sim.devices.sensor import SENSOR_SIZE, SensorDevice
 from sim.robot import Robot
 from sim.stage.geometry import size_of
 
-COUNTS = struct.Struct(">II")
-FIDUCIAL = np.dtype([("id", ">i4"), ("pose", ">f8", 6), ("uncertainty", ">f8", 6)])
+FIDUCIALS = layouts.data(Interface.FIDUCIAL)
+NONE = FIDUCIALS.head.pack(0, 0)
 
 LARGEST_ID = 0x7FFF_FFFF
 """Ids travel as signed numbers in what a finder sees."""
@@ -32,7 +29,7 @@ def carried_id(context: Context, robot: Robot, name: str, values: Values) -> Val
     fiducial = values["id"]
 
     robot.fiducial = fiducial  # known to its own clients alone, until others look
-    context.later(robot, lambda: context.scenery.remark(robot, fiducial), "fiducial")
+    context.later(robot, lambda: context.scenery.set_fiducial(robot, fiducial), "fiducial")
     return {"id": fiducial}
 
 
@@ -45,12 +42,10 @@ class FiducialFinder(SensorDevice):
         readings = self.group.readings
         assert isinstance(readings, Fiducials)
         seen: Any = readings.seen(self.row)
-        rows = np.zeros(len(seen), FIDUCIAL)
-        rows["id"] = seen["id"]
-        rows["pose"][:, 0] = seen["x"]
-        rows["pose"][:, 1] = seen["y"]
-        rows["pose"][:, 5] = seen["yaw"]
-        return ((1, COUNTS.pack(len(rows), len(rows)) + rows.tobytes()),)
+        message = FIDUCIALS.rows(1, fiducials=len(seen))
+        for name in ("id", "x", "y", "yaw"):
+            message["fiducials"][name] = seen[name]
+        return ((1, message.tobytes()),)
 
     def request(self, name: str, values: Values) -> Values | None:
         readings = self.group.readings
@@ -79,7 +74,7 @@ class Marker:
         self.addr = DeviceAddr(Interface.FIDUCIAL, 0)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
-        return ((1, COUNTS.pack(0, 0)),)
+        return ((1, NONE),)
 
     def command(self, name: str, values: Values) -> None:
         """There are no commands."""

@@ -63,3 +63,8 @@ def rgb(color: tuple[int, int, int, int]) -> int:
     """Player's (alpha, red, green, blue) as 0xRRGGBB."""
     _, red, green, blue = color
     return red << 16 | green << 8 | blue
+
+
+def devices(context: Context, robot: Robot) -> Iterable[Graphics2d]:
+    """Every robot can draw."""
+    return [Graphics2d(context, robot)]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from player import DeviceAddr
+from sensors.laser import LaserSettings
+from sensors.ranger import RangerSettings
 from sensors.suite import Group
 from sim.devices.device import Context, Values
 from sim.devices.encoding import Encodings
@@ -10,6 +12,8 @@ from sim.robot import Robot
 
 SENSOR_SIZE = (0.02, 0.02, 0.02)
 """Width, length, height in metres: what Stage says of an element; nothing depends on it."""
+
+Size = tuple[float, float, float]
 
 
 class SensorDevice:
@@ -30,6 +34,15 @@ class SensorDevice:
         """Where it is on the robot: metres and radians."""
         x, y, heading = self.group.settings.mount
         return (float(x), float(y), float(heading))
+
+    @property
+    def size(self) -> Size:
+        """Width, length and height of its housing, m, where its settings know of one."""
+        settings = self.group.settings
+        if not isinstance(settings, LaserSettings | RangerSettings):
+            return SENSOR_SIZE
+        length, width = settings.housing
+        return (width, length, SENSOR_SIZE[2])
 
     def payload(self, message: str) -> bytes:
         """This tick's reading as one of the messages that are encoded in batches."""

@@ -38,3 +38,8 @@ class Speech:
 
     def request(self, name: str, values: Values) -> Values | None:
         raise Refused
+
+
+def devices(context: Context, robot: Robot) -> Iterable[Speech]:
+    """Every robot can speak."""
+    return [Speech(context, robot)]

@@ -141,7 +141,7 @@ class Crew:
             if self.context.paused and self.patience.limit_of_pause(self.router.paused_at) <= now:
                 self.end_pause(now - self.router.paused_at)
             return
-        if not self.hinted and not self.clocks.any_clock:
+        if not self.hinted and self.clocks.mode == "all":
             line = hint(behind, self.clocks.clocked.values(), now)
             if line is not None:
                 self.hinted = True
@@ -159,7 +159,8 @@ class Crew:
         why = lacking(driver)
         error = f"kept the others waiting for {waited:.0f} s: {why}"
         if driver.kind == "external" and not driver.clocks:
-            error = f"no client that drives it has come within {waited:.0f} s"
+            error = f"no client that asks for data has come within {waited:.0f} s"
+            error += f" ({driver.record.error})" if driver.record.error else ""
             self.say(f"{name}: {error}; it stands still")
         else:
             self.say(f"{name}: hung: nothing for {waited:.0f} s ({why}), its robot stops")
@@ -172,19 +173,19 @@ class Crew:
     def end_pause(self, waited: float) -> None:
         """End whoever has paused the world for too long, unless it goes on in the meantime."""
         switchboard = self.router.switchboard
-        pauser = switchboard.pauser
+        paused_by = switchboard.paused_by
         self.router.take(self.server.poll(0))
-        if pauser is None or switchboard.pauser is not pauser:
+        if paused_by is None or switchboard.paused_by is not paused_by:
             return
         error = f"kept the world paused for {waited:.0f} s"
-        drivers = list(self.clocks.driven.get(pauser, {}).values())
+        drivers = list(self.clocks.driven.get(paused_by, {}).values())
         for driver in drivers:
             self.say(f"{driver.record.name}: hung: {error}, its robot stops")
             self.abandon(driver, error)
         if not drivers:
-            self.say(f"{pauser.peer}: {error}: its connection is closed")
-        if pauser.is_open:
-            self.router.close(pauser)
+            self.say(f"{paused_by.peer}: {error}: its connection is closed")
+        if paused_by.is_open:
+            self.router.close(paused_by)
 
     def abandon(self, driver: Driver, error: str) -> None:
         """Wait for a controller no more: end its process, close its connections."""

@@ -49,14 +49,12 @@ class Drivers:
             self.clocks.enter(robot.driver)
 
     def is_own(self, driver: Driver, connection: Connection) -> bool:
-        """Whether a connection is the robot's controller's, and not of somebody who looks on."""
+        """Whether a connection is that of a process of ours, and not of somebody who looks on."""
         if driver.kind == "program":
             return driver.running and connection is driver.connection
-        if driver.kind == "command":
-            if connection not in driver.origins:
-                driver.origins[connection] = origin(connection, driver.environment)
-            return driver.running and driver.origins[connection] != 0
-        return driver.kind == "external"
+        if connection not in driver.origins:
+            driver.origins[connection] = origin(connection, driver.environment)
+        return driver.running and driver.origins[connection] != 0
 
     def release(self, connection: Connection, driver: Driver) -> None:
         """A connection does not drive a robot any more."""

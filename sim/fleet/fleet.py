@@ -36,10 +36,6 @@ class Launch:
     folder: str = ""  # the world's, where a script's own modules may lie too
 
 
-class FleetError(Exception):
-    """The fork server cannot be started or has died."""
-
-
 class Fleet:
     """The fork server and its children.
 

@@ -393,8 +393,10 @@ def main() -> None:
     sys.path.insert(0, sys.argv[2])
     import numpy.random  # noqa: F401, PLC0415
 
-    import player  # noqa: F401, PLC0415
+    import player  # noqa: PLC0415
 
+    for name in player.__all__:  # all of it, once for all children
+        getattr(player, name)
     sys.path.pop(0)
     gc.collect()
     gc.freeze()  # the children share these pages for as long as nobody touches them

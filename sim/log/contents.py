@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.log import commands
-from sim.log.batch import STATE, state_template
 from sim.log.cdr import Template, decode, template
 from sim.log.floor import rebuilt
 from sim.log.reader import LogReader
+from sim.log.tick_blocks import STATE, state_template
 
 STATES, SENT = "/troupe/state", "/troupe/commands"
 COMMAND = np.dtype(

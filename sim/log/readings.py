@@ -23,7 +23,7 @@ Stamps = tuple[NDArray[np.uint32], NDArray[np.uint64], NDArray[np.uint64], NDArr
 
 
 @dataclass(frozen=True)
-class Kin:
+class SameLayout:
     """Messages of one layout that differ in texts and numbers, each on a channel of its own."""
 
     members: list[int]
@@ -33,18 +33,18 @@ class Kin:
     channels: NDArray[np.uint16]
 
 
-Memo = dict[Hashable, list[Kin]]
+Memo = dict[Hashable, list[SameLayout]]
 MOST_KEPT = 64
 
 
-def kin_of(
+def by_layout(
     channels: Channels,
     memo: Memo,
     key: Hashable,
     kind: str,
     messages: Callable[[], tuple[Sequence[dict[str, Any]], Sequence[str]]],
     paths: Sequence[str],
-) -> list[Kin]:
+) -> list[SameLayout]:
     """Messages and their topics in groups of equal layout, which are laid out once for each key.
 
     messages() gives what all messages are like, and their topics; paths are of what differs.
@@ -59,7 +59,7 @@ def kin_of(
     if len(memo) >= MOST_KEPT:
         memo.clear()
     memo[key] = [
-        Kin(
+        SameLayout(
             members,
             template(kind, values[members[0]]),
             {
@@ -79,19 +79,19 @@ def text_at(value: dict[str, Any], path: str) -> str:
     return str(value)
 
 
-def spread(kin: Kin, stamps: Stamps, values: dict[str, NDArray[Any]]) -> Block:
+def spread(alike: SameLayout, stamps: Stamps, values: dict[str, NDArray[Any]]) -> Block:
     """A block of one message for each tick and member, in this order; values (ticks * k, ...)."""
     numbers, nanoseconds, seconds, rest = stamps
-    k, count = len(kin.members), len(numbers)
+    k, count = len(alike.members), len(numbers)
     filled = {
         "header.stamp.sec": np.repeat(seconds, k),
         "header.stamp.nanosec": np.repeat(rest, k),
-        **{path: np.tile(text, (count, 1)) for path, text in kin.texts.items()},
+        **{path: np.tile(text, (count, 1)) for path, text in alike.texts.items()},
         **values,
     }
     return block(
-        kin.layout.filled(count * k, filled),
-        np.tile(kin.channels, count),
+        alike.layout.filled(count * k, filled),
+        np.tile(alike.channels, count),
         np.repeat(numbers, k),
         np.repeat(nanoseconds, k),
     )
@@ -115,9 +115,9 @@ def odometry_blocks(
     speeds = np.frombuffer(b"".join([state.velocities for state in ticks])).reshape(poses.shape)
     found = []
     paths = ("header.frame_id", "child_frame_id")
-    for kin in kin_of(channels, memo, len(names), "nav_msgs/Odometry", messages, paths):
-        pose = poses[:, kin.members].reshape(-1, 3)
-        speed = speeds[:, kin.members].reshape(-1, 3)
+    for alike in by_layout(channels, memo, len(names), "nav_msgs/Odometry", messages, paths):
+        pose = poses[:, alike.members].reshape(-1, 3)
+        speed = speeds[:, alike.members].reshape(-1, 3)
         values = {
             "pose.pose.position.x": pose[:, 0],
             "pose.pose.position.y": pose[:, 1],
@@ -127,7 +127,7 @@ def odometry_blocks(
             "twist.twist.linear.y": speed[:, 1],
             "twist.twist.angular.z": speed[:, 2],
         }
-        found.append(spread(kin, stamps, values))
+        found.append(spread(alike, stamps, values))
     return found
 
 
@@ -172,11 +172,11 @@ def scan_blocks(
     ranges = np.stack([fans.ranges for _, fans in same])
     back = np.stack([fans.intensities for _, fans in same]) if intense else ranges
     kind, path, stamps = "sensor_msgs/LaserScan", ("header.frame_id",), stamps_of(same)
-    for kin in kin_of(channels, source.memo, rows.tobytes(), kind, messages, path):
-        values = {"ranges": ranges[:, kin.members].reshape(-1, samples)}
+    for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
+        values = {"ranges": ranges[:, alike.members].reshape(-1, samples)}
         if intense:
-            values["intensities"] = back[:, kin.members].reshape(-1, samples)
-        yield spread(kin, stamps, values)
+            values["intensities"] = back[:, alike.members].reshape(-1, samples)
+        yield spread(alike, stamps, values)
 
 
 def range_blocks(
@@ -200,8 +200,8 @@ def range_blocks(
 
     ranges = np.stack([fans.ranges for _, fans in same]).reshape(len(same), -1)
     kind, path, stamps = "sensor_msgs/Range", ("header.frame_id",), stamps_of(same)
-    for kin in kin_of(channels, source.memo, rows.tobytes(), kind, messages, path):
-        yield spread(kin, stamps, {"range": ranges[:, kin.members].reshape(-1)})
+    for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
+        yield spread(alike, stamps, {"range": ranges[:, alike.members].reshape(-1)})
 
 
 def blob_blocks(
@@ -223,11 +223,11 @@ def blob_blocks(
     blobs = np.zeros((len(same), len(rows), wide), same[0][1].blobs.dtype)
     for index, (_, fans) in enumerate(same):
         blobs[index, :, : fans.blobs.shape[1]] = fans.blobs
-    for kin in kin_of(channels, source.memo, rows.tobytes(), kind, messages, path):
-        members = np.array(kin.members)
+    for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
+        members = np.array(alike.members)
         for count in np.unique(counts[:, members]).tolist():
             ticks, which = np.nonzero(counts[:, members] == count)
-            frame = kin.texts[path[0]]
+            frame = alike.texts[path[0]]
             head = {"frame_id": "x" * frame.shape[1]}
             like = {"header": head, "width": width, "height": height, "blobs": [{}] * count}
             values = {
@@ -239,7 +239,7 @@ def blob_blocks(
                 seen = blobs[ticks, members[which], :count]
                 values |= {f"blobs.{name}": seen[name] for name in BLOB_FIELDS}
             filled = blob_layout(source, count, like).filled(len(ticks), values)
-            yield block(filled, kin.channels[which], stamps[0][ticks], stamps[1][ticks])
+            yield block(filled, alike.channels[which], stamps[0][ticks], stamps[1][ticks])
 
 
 def blob_layout(source: SensorGroup, count: int, like: dict[str, Any]) -> Template:

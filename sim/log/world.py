@@ -8,8 +8,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from sim.build import LoadedWorld, load
 from sim.log.errors import LogError
-from sim.worldfile import LoadedWorld, WorldError, load, nodes
+from sim.worldfile import WorldError, nodes
 from sim.worldfile.files import rebased
 
 WORLD = "world.yaml"

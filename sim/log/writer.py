@@ -6,13 +6,13 @@ import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from sim.log.batch import Batches
 from sim.log.blocks import Block
 from sim.log.container import LogFile
 from sim.log.errors import LogError
 from sim.log.floor import FloorMirror
 from sim.log.moment import Event, Floor, TickState
 from sim.log.scene import paint_event
+from sim.log.tick_blocks import TickBlocks
 
 FORMAT = 1
 """Of what a log holds: a reader refuses later ones."""
@@ -43,7 +43,7 @@ class LogWriter:
         except OSError as error:
             raise LogError(f"{path}: the log cannot be written: {reason(error)}") from None
         self.path = path
-        self.batches = Batches(self.file.channels)
+        self.tick_blocks = TickBlocks(self.file.channels)
         self.error: str | None = None
         self.lost_from: float | None = None
         self.written = 0.0  # simulated seconds up to which all is in the file
@@ -131,12 +131,12 @@ class LogWriter:
 
     def _blocks(self, items: list[Item]) -> list[Block]:
         """The blocks of items; states that are alike go together."""
-        batches = self.batches
+        tick_blocks = self.tick_blocks
         found: list[Block] = []
         alike: list[TickState] = []
 
         def gather() -> None:
-            found.extend(batches.blocks(alike))
+            found.extend(tick_blocks.blocks(alike))
             alike.clear()
 
         for item in items:
@@ -144,20 +144,20 @@ class LogWriter:
                 if alike and alike[-1].robots != item.robots:
                     gather()
                 alike.append(item)
-                found += [batches.single(event) for event in item.events]
+                found += [tick_blocks.single(event) for event in item.events]
             elif isinstance(item, Event):
-                found.append(batches.single(item))
+                found.append(tick_blocks.single(item))
             elif isinstance(item, Floor):
-                batches.floor = FloorMirror(item)
+                tick_blocks.floor = FloorMirror(item)
             else:
                 gather()
-                batches.names = list(item)
+                tick_blocks.names = list(item)
         gather()
-        floor = batches.floor
+        floor = tick_blocks.floor
         if floor is not None and floor.changed:
             floor.changed = False
             time = max((one.time for one in items if isinstance(one, TickState)), default=0.0)
-            found.append(batches.single(paint_event(floor, time)))
+            found.append(tick_blocks.single(paint_event(floor, time)))
         return found
 
     def _fail(self, error: OSError) -> None:

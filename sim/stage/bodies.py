@@ -44,7 +44,7 @@ def new_space() -> pymunk.Space:
 
 @dataclass(frozen=True)
 class Form:
-    """What bodies of one description have in common; reckoned once, however many there are."""
+    """What bodies of one description have in common; computed once, however many there are."""
 
     schema: Any
     moment: float

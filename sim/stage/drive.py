@@ -117,12 +117,12 @@ def want(state: Any, movers: Any, count: int, dt: float) -> None:
 
 
 @compiled
-def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, piece: float) -> None:
-    """Write what makes the bodies move as wanted in a step of `dt`, cut to pieces of `piece` s.
+def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, substep: float) -> None:
+    """Write what makes the bodies move as wanted in a step of `dt`, cut to substeps of `substep` s.
 
     orders (b, 6): velocities (as they are, but for the bodies that lead robots) and forces. A
     robot that follows a leader is moved by its joints. All others are far from everything, and
-    the same limited impulse is a force on them in the first piece: the velocity after the step
+    the same limited impulse is a force on them in the first substep: the velocity after the step
     is the same either way.
 
     Chipmunk moves bodies first, with the velocities they have, and then finds new ones for the
@@ -137,7 +137,7 @@ def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, piece: flo
         if not mover.driven:
             continue
         body = state[mover.row]
-        yaw = body[2] + body[5] * piece + mover.wanted_turn * piece / 2.0
+        yaw = body[2] + body[5] * substep + mover.wanted_turn * substep / 2.0
         cosine, sine = math.cos(yaw), math.sin(yaw)
         mover.axis_x, mover.axis_y = cosine, sine
         vx = mover.wanted_x * cosine - mover.wanted_y * sine
@@ -153,7 +153,7 @@ def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, piece: flo
         most = mover.max_torque * dt
         spin = min(most, max(-most, (mover.wanted_turn - body[5]) * mover.moment))
         order = orders[mover.row]
-        order[3], order[4], order[5] = dx / piece, dy / piece, spin / piece
+        order[3], order[4], order[5] = dx / substep, dy / substep, spin / substep
 
 
 @compiled

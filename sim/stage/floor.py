@@ -98,7 +98,7 @@ class FloorPaint:
             sprayers: (k,) a number of its own for each sprayer that is on, in increasing order.
             robots: (k,) the robots that carry them.
             ways: (k, m, 3) where those were: x, y, yaw at the beginning of the tick and after
-                each piece of it, in which they moved and turned evenly. Yaw is not wrapped: it
+                each substep of it, in which they moved and turned evenly. Yaw is not wrapped: it
                 says how far they turned.
             sizes: (k, 2) each rectangle's length (along the robot) and width in metres.
             offsets: (k, 2) its centre in the robot's frame.

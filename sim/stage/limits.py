@@ -1,15 +1,80 @@
 """Limits of the physics: what the stage cuts its steps for, and what world files may ask of it."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, radians
+from typing import TYPE_CHECKING, Any
+
+from sim.stage.geometry import least_width, outline, reach
+from sim.worldfile.mistakes import Mistake
+
+if TYPE_CHECKING:
+    from sim.worldfile.schema import Drive, World
+
 DEEPEST = 0.015
-"""m that bodies may close in a piece of a step. With the slop of 0.005 m that Chipmunk leaves
+"""m that bodies may close in a substep. With the slop of 0.005 m that Chipmunk leaves
 between bodies that rest on each other, this keeps overlaps below 0.02 m. Bodies so small that they
-would pass through something in one piece may close by half of what they are wide."""
+would pass through something in one may close by half of what they are wide."""
 SLOP = 0.005
 """m that bodies which rest on each other may overlap."""
-MOST_PIECES = 4000
-"""Pieces of a step, against a run that would never end."""
+MOST_SUBSTEPS = 4000
+"""Of a step, against a run that would never end."""
 MOST_RATIO = 1000.0
 """Of the masses of two bodies that move."""
 MOST_PUSH = 1e5
 """m/s2: the largest force of a drive over the mass of the lightest body; 100 m/s2 on one that is
 MOST_RATIO times as heavy."""
+
+
+def physics_mistakes(world: World) -> list[Mistake]:
+    """What the physics could not keep apart: too unequal masses, too strong or too fast drives.
+
+    Only models count that robots or doors use.
+    """
+    bodies = list(_moving(world))
+    if not bodies:
+        return []
+    mistakes: list[Mistake] = []
+    lightest, least = min(((body.mass, where) for where, body, _ in bodies), key=lambda one: one[0])
+    than = f"{lightest:g} kg of {'.'.join(map(str, least))}"
+    clock, longest, fastest = world.clock, float("inf"), ""
+    for where, body, drive in bodies:
+        if body.mass > MOST_RATIO * lightest * (1 + 1e-9):
+            what = "is too heavy for the lightest body"
+            allowed = f"at most {MOST_RATIO:g} times the {than}"
+            place = (*where, "body", "mass") if where[0] == "models" else (*where, "mass")
+            mistakes.append(Mistake(place, what, f"{body.mass:g}", allowed))
+        if drive is None:
+            continue
+        if drive.max_force > MOST_PUSH * lightest * (1 + 1e-9):
+            what = "is too strong for the lightest body"
+            allowed = f"at most {MOST_PUSH * lightest:g}: {MOST_PUSH:g} m/s2 for the {than}"
+            place = (*where, "drive", "max_force")
+            mistakes.append(Mistake(place, what, f"{drive.max_force:g}", allowed))
+        lever, width = 0.0, 2.0 * getattr(body, "radius", 0.0)
+        if body.shape != "circle":
+            lever, width = reach(body), least_width(outline(body))
+        speed = drive.max_speed + radians(drive.max_turn_rate) * lever
+        step = MOST_SUBSTEPS * min(DEEPEST, width / 2.0) / (2.0 * speed)
+        if step < longest:
+            longest, fastest = step, f"{where[1]} at {speed:.6g} m/s"
+    if clock.physics_step > longest:
+        near = clock.interval / max(1, ceil(clock.interval / longest))
+        what = "is so long that bodies could pass through others in it"
+        allowed = f"at most {longest:.3g} for model {fastest}, such as {near:.6g}"
+        mistakes.append(
+            Mistake(("clock", "physics_step"), what, f"{clock.physics_step:g}", allowed)
+        )
+    return mistakes
+
+
+def _moving(world: World) -> Iterator[tuple[tuple[str | int, ...], Any, Drive | None]]:
+    """Where in the file a body that moves is described, the body, and its drive."""
+    used = [robot.model for robot in world.robots] + [door.model for door in world.doors]
+    for name in dict.fromkeys(used):
+        if name in world.models:
+            yield ("models", name), world.models[name].body, world.models[name].drive
+    for index, obstacle in enumerate(world.obstacles):
+        if obstacle.movable:
+            yield ("obstacles", index), obstacle, None

@@ -10,14 +10,13 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
-from sim.stage.batch import BodyTable, ContactTable
-from sim.stage.chipmunk import address, pointer
-from sim.stage.clearance import Clearance
+from sim.stage.chipmunk import BodyTable, ContactTable, addresses
 from sim.stage.contacts import Touches
+from sim.stage.distance_field import DistanceField
 from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
-from sim.stage.steps import CALLS, PARTS, Place, run_steps
+from sim.stage.steps import PARTS, Place, run_steps
 
 
 class Physics:
@@ -129,8 +128,7 @@ class Physics:
         """After a change: find the rows of the movers (n,) in the table, and read it."""
         ids = self.table.index().astype(np.int64)
         self._machine[:] = (
-            *(address(name) for name in CALLS),
-            pointer(self._space._space),
+            *addresses(self._space),
             *self.table.readers,
             *self.table.writers,
             *self._contacts.readers,
@@ -160,7 +158,7 @@ class Physics:
         movers: NDArray[Any],
         first: int,
         order: NDArray[np.int64],
-        clearance: Clearance,
+        field: DistanceField,
         interval: float,
         steps: int,
         traced: NDArray[np.int64],
@@ -175,7 +173,7 @@ class Physics:
         table = self.table
         place, pairs, points, ends, notes = run_steps(
             self._machine, table.state, table.orders, movers, first, len(movers), order,
-            clearance.cells, clearance.cell, self.outlines, self.sides, interval, steps, place,
+            field.cells, field.cell, self.outlines, self.sides, interval, steps, place,
             traced, *seen,
         )  # fmt: skip
         if len(pairs):

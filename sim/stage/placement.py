@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sim.stage.fits import ROUNDING, FreeSpace
 from sim.stage.geometry import Floats, least_width, outline, placed
 from sim.stage.layout import Layout
-from sim.stage.room import ROUNDING, Room
 from sim.worldfile.mistakes import Mistake, WorldError
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def place(
     """
     rng = np.random.default_rng([seed, zlib.crc32(b"placement")])
     poses = np.zeros((len(robots), 3))
-    room = Room(layout)
+    room = FreeSpace(layout)
     for index, robot in enumerate(robots):
         if robot.pose is not None:
             poses[index] = robot.pose
@@ -59,7 +59,7 @@ def place(
 
 
 def _place_entry(
-    room: Room, robots: list[RobotSpec], models: Mapping[str, Model], rng: np.random.Generator
+    room: FreeSpace, robots: list[RobotSpec], models: Mapping[str, Model], rng: np.random.Generator
 ) -> Floats:
     """Poses (k, 3) for the robots of an entry; they are in the room afterwards."""
     rule = robots[0].placement
@@ -85,7 +85,7 @@ Attempt = Callable[[int], Iterator[Floats]]
 
 
 def _attempts(
-    room: Room,
+    room: FreeSpace,
     robots: list[RobotSpec],
     shape: Floats,
     margin: float,
@@ -118,7 +118,7 @@ def _attempts(
 
 
 def _scattered(
-    room: Room, robots: list[RobotSpec], shape: Floats, margin: float, rng: np.random.Generator
+    room: FreeSpace, robots: list[RobotSpec], shape: Floats, margin: float, rng: np.random.Generator
 ) -> Attempt:
     """Random poses; once a robot has found none, a lattice for it and those after it.
 
@@ -141,7 +141,7 @@ def _scattered(
 
 
 def _fill(
-    room: Room, robots: list[RobotSpec], shape: Floats, margin: float, attempt: Attempt
+    room: FreeSpace, robots: list[RobotSpec], shape: Floats, margin: float, attempt: Attempt
 ) -> list[Floats] | None:
     """Place all robots of an entry in the first poses of an attempt that fit, or None.
 
@@ -172,7 +172,7 @@ def _heading(robot: RobotSpec, rng: np.random.Generator) -> float:
 
 
 def _spread(
-    room: Room,
+    room: FreeSpace,
     robots: list[RobotSpec],
     shape: Floats,
     margin: float,
@@ -208,7 +208,7 @@ def _spread(
 
 
 def _lattice(
-    room: Room, robot: RobotSpec, shape: Floats, margin: float, y: float | None
+    room: FreeSpace, robot: RobotSpec, shape: Floats, margin: float, y: float | None
 ) -> Iterator[Floats]:
     """Poses row by row and column by column, as close as a body and its margin need it."""
     headings = (0.0, math.pi / 2) if robot.headings is None else robot.headings
@@ -244,7 +244,7 @@ def check_start(
 
     Touching is no mistake. The place of a mistake is the robot's entry: the later of two.
     """
-    room = Room(layout, doors=False)
+    room = FreeSpace(layout, doors=False)
     mistakes: list[Mistake] = []
     names: list[str] = []
     first = room.mark()

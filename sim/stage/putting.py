@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from sim.stage.fits import FreeSpace
 from sim.stage.geometry import Floats, outline, placed, reach, separation
 from sim.stage.layout import Layout
 from sim.stage.limits import SLOP
-from sim.stage.room import Room
 
 Pose = tuple[float, float, float]
 
@@ -22,7 +22,7 @@ class Places:
     """
 
     def __init__(self, layout: Layout) -> None:
-        self._room = Room(layout, doors=False, movable=False)
+        self._room = FreeSpace(layout, doors=False, movable=False)
         self._outlines: dict[int, tuple[Floats, float]] = {}
 
     def _shape(self, body: Any) -> tuple[Floats, float]:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import commands
-from sim.stage.clearance import clearance_of
 from sim.stage.contacts import Touches
+from sim.stage.distance_field import distance_field
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
-from sim.stage.meeting import CALM
+from sim.stage.may_touch import CALM
 from sim.stage.physics import Physics, pose_of
 from sim.stage.putting import Places
 from sim.stage.records import CAR, COMMAND_FIELDS, COMMANDS, MOVER
@@ -42,7 +42,7 @@ class Stage:
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
         self._physics = Physics(layout)
-        self._clearance = clearance_of(layout)
+        self._distance_field = distance_field(layout)
         self._movables = len(layout.movables)
         self._touches = Touches(self._movables)
         self._count = 0
@@ -243,7 +243,7 @@ class Stage:
         """Let one interval of the clock go by.
 
         Returns the ways (k, m, 3) of the robots `traced` (k,): x, y and yaw, not wrapped, at the
-        beginning and after each piece of the physics, in which bodies move and turn evenly.
+        beginning and after each substep of the physics, in which bodies move and turn evenly.
 
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
@@ -258,8 +258,8 @@ class Stage:
         place, ways = BEGIN, []
         while place[0] < self._steps:
             place, notes = self._physics.run(
-                place, movers, self._movables, order, self._clearance, self._interval, self._steps,
-                self._movables + traced, seen, self._touches,
+                place, movers, self._movables, order, self._distance_field, self._interval,
+                self._steps, self._movables + traced, seen, self._touches,
             )  # fmt: skip
             ways.append(notes)
             if place[0] < self._steps:

@@ -8,7 +8,8 @@ import numpy as np
 from numba import carray  # type: ignore[attr-defined]
 
 from sim.stage import drive
-from sim.stage.chipmunk import (
+from sim.stage.compiled import compiled
+from sim.stage.intrinsics import (
     floats_at,
     for_each,
     ints_at,
@@ -16,26 +17,16 @@ from sim.stage.chipmunk import (
     step_space,
     words_at,
 )
-from sim.stage.closing import pieces
-from sim.stage.compiled import compiled
 from sim.stage.limits import DEEPEST
-from sim.stage.meeting import look_around
+from sim.stage.may_touch import count_calm_ticks
+from sim.stage.substeps import count_substeps
 
-CALLS = (
-    "cpSpaceStep",
-    "cpSpaceEachBody",
-    "cpSpaceEachCachedArbiter",
-    "cpSpaceSetIterations",
-    "pmSpaceBodyGetIteratorFuncBatched",
-    "pmSpaceBodySetIteratorFuncBatched",
-    "pmSpaceArbiterIteratorFuncBatched",
-)
-"""The functions whose addresses stand first in `machine`, in this order."""
 STEP, EACH_BODY, EACH_ARBITER, SET_ITERATIONS, READ_BODY, WRITE_BODY, READ_ARBITER = range(7)
+"""Where the addresses of functions stand in `machine`: first, as `chipmunk.FUNCTIONS` has them."""
 SPACE, READ_DATA, READ_BUFFER, WRITE_DATA, WRITE_BUFFER, TOUCH_DATA, TOUCH_WORDS, TOUCH_FLOATS = (
     range(7, 15)
 )
-"""Then come the addresses of what they work on: see `batch`."""
+"""Then come the addresses of what they work on: see `chipmunk`."""
 PARTS = 15
 """The length of `machine`."""
 
@@ -77,18 +68,18 @@ def run_steps(
 
     machine (PARTS,): addresses. state, orders (b, 6): the bodies' table. movers: `first` movable
     obstacles, then robots up to `count`. order (count,): the movers by x, kept from step to step.
-    cells, cell: the clearance of what stands. outlines (s, k, 2) with sides (s,): the movers'
+    cells, cell: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
     traced (k,): the movers whose poses are noted.
 
-    place: the step to go on with, how fast (m/s) the fastest may be that was reckoned with when
+    place: the step to go on with, how fast (m/s) the fastest may be that was assumed when
     joints were given (negative: look around first), and whether the drives have taken this step
     in already. Where robots must get or lose their joints in mid-tick the loop returns, to be
     called again with the place that it returns; at the end that is behind the last step.
 
     Returns the place; the touching pairs (t, 3) and their points (t, 2, 2, 2) as `ContactTable`
     has them; the row (s,) at which each step's contacts end; and the notes (m, k, 3) of x, y and
-    yaw, at the beginning of the tick and after every piece.
+    yaw, at the beginning of the tick and after every substep.
     """
     pairs = np.empty((0, 3), dtype=np.uintp)
     points = np.empty((0, 2, 2, 2))
@@ -99,7 +90,7 @@ def run_steps(
     dt = interval / steps
     space = machine[SPACE]
     if fastest < 0.0:
-        changes, fastest = look_around(state, movers, count, order, cells, cell, interval)
+        changes, fastest = count_calm_ticks(state, movers, count, order, cells, cell, interval)
         if changes > 0:
             return (0, fastest, False), pairs, points, ends, notes
     if step == 0 and not led and len(traced) > 0:
@@ -110,26 +101,26 @@ def run_steps(
     while step < steps:
         if not led:
             drive.want(state, movers, count, dt)
-        cuts, rounds, quickest = pieces(
+        cuts, rounds, quickest = count_substeps(
             state, movers, count, order, cells, cell, outlines, sides, dt
         )
         # Thrown by something that turns, so that it could meet who was not looked at.
         if not led and (quickest - fastest) * interval > DEEPEST:
-            changes, fastest = look_around(state, movers, count, order, cells, cell, interval)
+            changes, fastest = count_calm_ticks(state, movers, count, order, cells, cell, interval)
             if changes > 0:
                 led = True
                 break
-            cuts, rounds, quickest = pieces(
+            cuts, rounds, quickest = count_substeps(
                 state, movers, count, order, cells, cell, outlines, sides, dt
             )
         led = False
-        piece = dt / max(1, cuts)
-        drive.lead(state, orders, movers, count, dt, piece)
+        substep = dt / max(1, cuts)
+        drive.lead(state, orders, movers, count, dt, substep)
         ints_at(machine[WRITE_BUFFER])[0] = 0
         for_each(machine[EACH_BODY], space, machine[WRITE_BODY], machine[WRITE_DATA])
         set_iterations(machine[SET_ITERATIONS], space, np.int32(rounds))
         for _ in range(max(1, cuts)):
-            step_space(machine[STEP], space, piece)
+            step_space(machine[STEP], space, substep)
             if len(traced) > 0:
                 ints_at(machine[READ_BUFFER])[0] = 0
                 for_each(machine[EACH_BODY], space, machine[READ_BODY], machine[READ_DATA])

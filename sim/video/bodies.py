@@ -1,7 +1,7 @@
 """Bodies with their headings, in batches: a thousand cost little more than ten.
 
 A body has the colour that the world or its algorithm gave it; its rim and its arrow have the
-robot's identity colour. Who has settled is paler.
+robot's identity colour. A robot that has settled is paler.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim.video.ground import soften
 from sim.video.palette import GROUND, INK, TINTS, bgr, contrast_ink, mix, tint
 from sim.video.projection import SHIFT, Projection, to_fixed
-from sim.video.view import Shape
+from sim.video.snapshot import Shape
 
 SMALLEST_RADIUS = 2.5
 """Pixels: smaller bodies are drawn larger, or they would vanish in a big world."""

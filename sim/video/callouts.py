@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.video.snapshot import Snapshot
 from sim.video.text import LONGEST, Box, Lettering, printable
-from sim.video.view import FrameView
 
 MOST_NAMES = 64
 """Robots up to which names are written."""
@@ -92,13 +92,13 @@ def place_callouts(
     return found
 
 
-def speakers(view: FrameView, duration: float) -> list[tuple[int, str]]:
+def speakers(snapshot: Snapshot, duration: float) -> list[tuple[int, str]]:
     """Who has said something within `duration` seconds, the latest at the end, and what."""
-    since = view.said_at or [view.time] * len(view.said)
+    since = snapshot.said_at or [snapshot.time] * len(snapshot.said)
     speaking = [
         (since[robot], robot, text)
-        for robot, text in enumerate(view.said)
-        if text.strip() and view.time - since[robot] < duration
+        for robot, text in enumerate(snapshot.said)
+        if text.strip() and snapshot.time - since[robot] < duration
     ]
     return [(robot, text) for _, robot, text in sorted(speaking)[-MOST_BALLOONS:]]
 

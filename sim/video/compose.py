@@ -13,19 +13,19 @@ from sim.video.callouts import Callout, named, place_callouts, speakers
 from sim.video.layers import SHOWN, Layer
 from sim.video.projection import check_size, default_size, project
 from sim.video.scans import RING, RING_WIDTH
+from sim.video.snapshot import MOST_SCANS, Backdrop, Scan, Shape, Sighting, Snapshot
 from sim.video.text import Lettering, printable
 from sim.video.trails import Trails
-from sim.video.view import MOST_SCANS, Backdrop, FrameView, Scan, Shape, Sighting
 
 FILLED, LINED = 8, 20
 """Robots up to which their fans are filled, and up to which their edges show."""
 
 
 @dataclass(frozen=True)
-class Moment:
-    """A view with everything in its place: pixel coordinates count from pixels' edges."""
+class Composition:
+    """A snapshot with everything in its place: pixel coordinates count from pixels' edges."""
 
-    view: FrameView
+    snapshot: Snapshot
     fans: Literal["filled", "lines"]
     scans: list[Scan]
     trails: bool
@@ -39,7 +39,7 @@ class Moment:
 
 
 class Composer:
-    """Composes views of one world. What comes out depends on the views alone, in their order."""
+    """Composes snapshots of one world. What comes out depends on them alone, in their order."""
 
     def __init__(
         self,
@@ -76,54 +76,56 @@ class Composer:
             self.trails.mark(poses)
             self._marked_until = time
 
-    def compose(self, view: FrameView) -> Moment:
-        """A view with everything in its place; raises ValueError where its parts do not fit."""
-        poses = np.asarray(view.poses, dtype=float).reshape(-1, 3)
+    def compose(self, snapshot: Snapshot) -> Composition:
+        """A snapshot with everything in its place; raises ValueError where its parts do not fit."""
+        poses = np.asarray(snapshot.poses, dtype=float).reshape(-1, 3)
         count = len(poses)
         if count != len(self.bodies):
             raise ValueError(f"{len(self.bodies)} robots were added, but {count} poses given")
         settled = (
-            np.zeros(count, bool) if len(view.settled) == 0 else np.asarray(view.settled, bool)
+            np.zeros(count, bool)
+            if len(snapshot.settled) == 0
+            else np.asarray(snapshot.settled, bool)
         )
         if settled.shape != (count,):
             raise ValueError(
                 f"{count} robots, but {len(settled)} of them told to be settled or not"
             )
-        self.mark(view.time, poses)
+        self.mark(snapshot.time, poses)
         robots = self.bodies.place(poses)
-        movables, movable_colors = self._place_movables(view)
-        return Moment(
-            view=view,
+        movables, movable_colors = self._place_movables(snapshot)
+        return Composition(
+            snapshot=snapshot,
             fans="filled" if count <= FILLED else "lines",
-            scans=self._scans(view, settled),
+            scans=self._scans(snapshot, settled),
             trails="trails" in self._show,
             robots=robots,
-            colors=colors_of(view.colors, count),
+            colors=colors_of(snapshot.colors, count),
             settled=settled,
             movables=movables,
             movable_colors=movable_colors,
-            sightings=list(view.sightings)[:MOST_SCANS] if "blobs" in self._show else [],
-            callouts=self._callouts(view, robots),
+            sightings=list(snapshot.sightings)[:MOST_SCANS] if "blobs" in self._show else [],
+            callouts=self._callouts(snapshot, robots),
         )
 
-    def _scans(self, view: FrameView, settled: NDArray[np.bool_]) -> list[Scan]:
+    def _scans(self, snapshot: Snapshot, settled: NDArray[np.bool_]) -> list[Scan]:
         """The fans that show: of robots that are at work, in a company that is not too large."""
         if "fans" not in self._show or len(settled) > LINED:
             return []
-        scans = [Scan(*scan) for scan in view.scans[:MOST_SCANS]]
+        scans = [Scan(*scan) for scan in snapshot.scans[:MOST_SCANS]]
         return [scan for scan in scans if len(scan.ranges) and not settled[scan.robot]]
 
-    def _place_movables(self, view: FrameView) -> tuple[list[Placed], NDArray[np.int64]]:
-        for shape, _ in view.movables[len(self._movables) :]:
+    def _place_movables(self, snapshot: Snapshot) -> tuple[list[Placed], NDArray[np.int64]]:
+        for shape, _ in snapshot.movables[len(self._movables) :]:
             self._movables.add(shape, heading=False)
-        if not view.movables:
+        if not snapshot.movables:
             return [], np.empty(0, np.int64)
-        colors = colors_of([color for _, color in view.movables], len(view.movable_poses))
-        return self._movables.place(np.asarray(view.movable_poses, dtype=float)), colors
+        colors = colors_of([color for _, color in snapshot.movables], len(snapshot.movable_poses))
+        return self._movables.place(np.asarray(snapshot.movable_poses, dtype=float)), colors
 
-    def _callouts(self, view: FrameView, robots: list[Placed]) -> list[Callout]:
+    def _callouts(self, snapshot: Snapshot, robots: list[Placed]) -> list[Callout]:
         names = named(self._names, self.bodies.radii) if "names" in self._show else []
-        said = speakers(view, self._speech_time) if "speech" in self._show else []
+        said = speakers(snapshot, self._speech_time) if "speech" in self._show else []
         if not names and not said:
             return []
         field = (self.projection.width, self.projection.field_height)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.video.palette import bgr
 from sim.video.projection import SHIFT, Projection
-from sim.video.view import Drawing
+from sim.video.snapshot import Drawing
 
 
 def draw_drawings(

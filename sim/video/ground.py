@@ -15,7 +15,7 @@ from sim.video.palette import (
     mix,
 )
 from sim.video.projection import SHIFT, Projection
-from sim.video.view import Backdrop
+from sim.video.snapshot import Backdrop
 
 GRID_STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Metres between grid lines, the first that leaves GRID_PIXELS between them."""

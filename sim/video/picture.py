@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.video.axes import draw_axes
 from sim.video.bodies import draw_bodies
-from sim.video.compose import Composer, Moment
+from sim.video.compose import Composer, Composition
 from sim.video.drawings import draw_drawings
 from sim.video.errors import VideoError
 from sim.video.ground import draw_ground, solid_pixels
@@ -18,16 +18,16 @@ from sim.video.layers import SHOWN, Layer
 from sim.video.paint import PaintLayer
 from sim.video.palette import INK, OUTSIDE, PAPER, mix, tint
 from sim.video.scans import draw_scans, draw_sightings
+from sim.video.snapshot import Backdrop, Shape, Snapshot
 from sim.video.status import StatusLine
 from sim.video.svg import svg_of
 from sim.video.trails import draw_trails
-from sim.video.view import Backdrop, FrameView, Shape
 
 ENDINGS = (".png", ".svg")
 
 
 class Picture:
-    """Draws views of one world. What it shows depends on the views alone, in their order."""
+    """Draws snapshots of one world. What it shows depends on them alone, in their order."""
 
     def __init__(
         self,
@@ -65,44 +65,44 @@ class Picture:
         """Adds a robot by its outline (k, 2) m in its own frame, or its radius; its index."""
         return self.composer.add_robot(name, shape)
 
-    def draw(self, view: FrameView, out: NDArray[np.uint8] | None = None) -> NDArray[np.uint8]:
-        """The frame of a view as (height, width, 3) BGR, in `out` where one is given."""
-        moment = self.composer.compose(view)
+    def draw(self, snapshot: Snapshot, out: NDArray[np.uint8] | None = None) -> NDArray[np.uint8]:
+        """The frame of a snapshot as (height, width, 3) BGR, in `out` where one is given."""
+        composed = self.composer.compose(snapshot)
         image = np.empty_like(self._paint.image) if out is None else out
-        if view.floor is not None:
-            self._paint.update(view.floor, view.resolution)
+        if snapshot.floor is not None:
+            self._paint.update(snapshot.floor, snapshot.resolution)
         np.copyto(image, self._paint.image)
         field = image[: self.projection.field_height]
         line = self.projection.units(1)
-        self._draw_scans(field, moment)
-        if moment.trails:
+        self._draw_scans(field, composed)
+        if composed.trails:
             draw_trails(field, self.composer.trails, line)
-        draw_bodies(field, moment.movables, moment.movable_colors, robots=False, line=line)
-        draw_bodies(field, moment.robots, moment.colors, moment.settled, line=line)
-        draw_sightings(field, moment.sightings, self.composer.bodies.radii, self.projection)
-        draw_drawings(field, view.drawings, self.projection)
-        self._draw_callouts(field, moment)
-        self.status.draw(image[len(field) :], view, len(moment.colors))
+        draw_bodies(field, composed.movables, composed.movable_colors, robots=False, line=line)
+        draw_bodies(field, composed.robots, composed.colors, composed.settled, line=line)
+        draw_sightings(field, composed.sightings, self.composer.bodies.radii, self.projection)
+        draw_drawings(field, snapshot.drawings, self.projection)
+        self._draw_callouts(field, composed)
+        self.status.draw(image[len(field) :], snapshot, len(composed.colors))
         return image
 
-    def svg(self, view: FrameView) -> str:
+    def svg(self, snapshot: Snapshot) -> str:
         """The same as an SVG document."""
-        return svg_of(self.composer, self.composer.compose(view), self.status)
+        return svg_of(self.composer, self.composer.compose(snapshot), self.status)
 
-    def _draw_scans(self, field: NDArray[np.uint8], moment: Moment) -> None:
+    def _draw_scans(self, field: NDArray[np.uint8], composed: Composition) -> None:
         """Fans lie on bare ground: paint is what is to be seen."""
-        if not moment.scans:
+        if not composed.scans:
             return
         rows = len(field)
         scratch = self._scratch[:rows]
-        filled = moment.fans == "filled"
-        draw_scans(field, scratch, moment.scans, self.projection, filled=filled)
+        filled = composed.fans == "filled"
+        draw_scans(field, scratch, composed.scans, self.projection, filled=filled)
         if self._paint.any:
             cv2.copyTo(self._paint.image[:rows], self._paint.mask[:rows], field)
 
-    def _draw_callouts(self, field: NDArray[np.uint8], moment: Moment) -> None:
+    def _draw_callouts(self, field: NDArray[np.uint8], composed: Composition) -> None:
         lettering = self.composer.lettering
-        for callout in moment.callouts:
+        for callout in composed.callouts:
             if callout.kind == "name":
                 lettering.label(field, callout.text, callout.box)
             else:
@@ -110,16 +110,18 @@ class Picture:
                 lettering.balloon(field, callout.text, callout.tip, callout.box, edge)
 
 
-def save_picture(path: Path | str, picture: Picture, view: FrameView) -> Path:
-    """Draws a view and writes it as PNG or SVG; raises VideoError where that cannot be done."""
+def save_picture(path: Path | str, picture: Picture, snapshot: Snapshot) -> Path:
+    """Draws a snapshot and writes it as PNG or SVG; raises VideoError where that cannot be done."""
     path = Path(path)
     ending = path.suffix.lower()
     if ending not in ENDINGS:
         raise VideoError(f"{path}: a picture's name must end in .png or .svg")
     if ending == ".svg":
-        data = picture.svg(view).encode()
+        data = picture.svg(snapshot).encode()
     else:
-        done, pixels = cv2.imencode(".png", picture.draw(view), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+        done, pixels = cv2.imencode(
+            ".png", picture.draw(snapshot), [cv2.IMWRITE_PNG_COMPRESSION, 9]
+        )
         if not done:
             raise VideoError(f"{path}: OpenCV could not encode the picture")
         data = pixels.tobytes()

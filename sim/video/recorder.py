@@ -12,8 +12,8 @@ from sim.video.encode import open_encoder
 from sim.video.errors import VideoError
 from sim.video.layers import SHOWN, Layer
 from sim.video.picture import Picture
+from sim.video.snapshot import Backdrop, Shape, Snapshot
 from sim.video.target import check_target
-from sim.video.view import Backdrop, FrameView, Shape
 from sim.video.writer import FrameWriter
 
 FPS = 25.0
@@ -27,9 +27,9 @@ SPEECH_SECONDS = 3.0
 
 
 class Recorder:
-    """Makes one video. Frame k shows the first view at or after k * speed / fps.
+    """Makes one video. Frame k shows the first snapshot at or after k * speed / fps.
 
-    A view that comes late, with several frames due, shows in all of them, so a second of
+    A snapshot that comes late, with several frames due, shows in all of them, so a second of
     video is always `speed` simulated seconds. After an error (a full disk) the run can go on
     as before: `frame` then does nothing, and `error` says what happened.
     """
@@ -89,25 +89,25 @@ class Recorder:
 
     def frame(
         self,
-        view: FrameView,
+        snapshot: Snapshot,
         *,
         last: bool = False,
         going_on: Callable[[], bool] = lambda: True,
     ) -> None:
-        """Draws the view into all frames due by its time; does nothing where none is.
+        """Draws the snapshot into all frames due by its time; does nothing where none is.
 
         `last`: draws it even if none is due, unless it was drawn already, so that the video
-        ends where the run ended. A slow film shows one view in many frames, which may take long
+        ends where the run ended. A slow film shows one snapshot in many frames, which may take long
         to encode: as soon as `going_on()` says no, those that do not wait yet are left out.
         """
-        unseen = last and view.time > self._last_time
-        times = max(self._due(view.time) - self._frames, int(unseen))
+        unseen = last and snapshot.time > self._last_time
+        times = max(self._due(snapshot.time) - self._frames, int(unseen))
         if times <= 0 or self._closed or self._writer.error is not None:
             return
         image = self._writer.buffer()
-        self.picture.draw(view, out=image)
+        self.picture.draw(snapshot, out=image)
         self._frames += self._writer.put(image, times, going_on)
-        self._last_time = view.time
+        self._last_time = snapshot.time
 
     def close(self) -> Path:
         """Completes the file and returns its path; a second call changes nothing."""

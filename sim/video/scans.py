@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sim.video.palette import INK, bgr, mix, tint
 from sim.video.projection import SHIFT, Projection, to_fixed
-from sim.video.view import Scan, Sighting
+from sim.video.snapshot import Scan, Sighting
 
 FARTHEST_RANGE = 1e5
 """Metres: longer and infinite ranges are drawn to here."""

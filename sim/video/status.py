@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.video.palette import INK, OUTSIDE, SOFT_INK, STRIP, bgr, mix
+from sim.video.snapshot import Snapshot
 from sim.video.text import Lettering, printable
-from sim.video.view import FrameView
 
 GAP = 18
 """Units between two entries."""
@@ -63,11 +63,13 @@ class StatusLine:
             self._end = end - width
             self.title = text, self._end
 
-    def entries(self, view: FrameView, robots: int) -> list[tuple[str, int, int]]:
+    def entries(self, snapshot: Snapshot, robots: int) -> list[tuple[str, int, int]]:
         """The changing entries: text, column, ink. As many as there is room for."""
         placed: list[tuple[str, int, int]] = []
         x = self.margin
-        for number, (text, longest) in enumerate(status_entries(view, robots, self._film_speed)):
+        for number, (text, longest) in enumerate(
+            status_entries(snapshot, robots, self._film_speed)
+        ):
             width = max(self._lettering.width(longest), self._lettering.width(text))
             if number and x + width + self.gap > self._end:
                 break
@@ -91,15 +93,15 @@ class StatusLine:
         above = strip[: bar.y - tick]
         self._lettering.draw(above, bar.label, (bar.start, bar.y - round(4 * unit)), SOFT_INK)
 
-    def draw(self, strip: NDArray[np.uint8], view: FrameView, robots: int) -> None:
-        """Writes the entries of a view onto a copy of the still part."""
-        for text, x, ink in self.entries(view, robots):
+    def draw(self, strip: NDArray[np.uint8], snapshot: Snapshot, robots: int) -> None:
+        """Writes the entries of a snapshot onto a copy of the still part."""
+        for text, x, ink in self.entries(snapshot, robots):
             self._lettering.draw(strip, text, (x, self.baseline), ink)
 
     def _longest(self) -> int:
         """Pixels that the changing entries take where all are there."""
-        view = FrameView(time=0, poses=np.empty((0, 3)), colors=(), coverage=1)
-        entries = status_entries(view, 0, self._film_speed)
+        snapshot = Snapshot(time=0, poses=np.empty((0, 3)), colors=(), coverage=1)
+        entries = status_entries(snapshot, 0, self._film_speed)
         return sum(self._lettering.width(longest) + self.gap for _, longest in entries)
 
     def _bar(self, size: tuple[int, int], scale: float) -> Bar:
@@ -113,12 +115,12 @@ class StatusLine:
 
 
 def status_entries(
-    view: FrameView, robots: int, film_speed: float | None = None
+    snapshot: Snapshot, robots: int, film_speed: float | None = None
 ) -> list[tuple[str, str]]:
     """The entries from left to right, each with a text as long as it usually becomes."""
-    entries = [(f"{view.time:.1f} s", "0000.0 s")]
-    if view.coverage is not None:
-        entries.append((f"painted {100 * view.coverage:.1f} %", "painted 100.0 %"))
+    entries = [(f"{snapshot.time:.1f} s", "0000.0 s")]
+    if snapshot.coverage is not None:
+        entries.append((f"painted {100 * snapshot.coverage:.1f} %", "painted 100.0 %"))
     if film_speed is not None:
         speed = f"film: {film_speed:g} x"
         entries.append((speed, speed))

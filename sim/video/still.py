@@ -9,8 +9,8 @@ from sim.video.errors import VideoError
 from sim.video.layers import SHOWN, Layer
 from sim.video.picture import ENDINGS, Picture, save_picture
 from sim.video.projection import default_size
+from sim.video.snapshot import Backdrop, Shape, Snapshot
 from sim.video.target import check_target
-from sim.video.view import Backdrop, FrameView, Shape
 
 LONG_SIDE = 1200
 """Pixels of a picture's longer side where no size is asked for: for paper rather than a screen."""
@@ -19,7 +19,7 @@ PACE = 0.4
 
 
 class Still:
-    """Takes one picture: at the first view at or after `at` seconds, or of how the run ended."""
+    """Takes one picture: of the first snapshot at or after `at` seconds, or of the run's end."""
 
     def __init__(
         self,
@@ -50,21 +50,21 @@ class Still:
         return self.picture.add_robot(name, shape)
 
     def wants(self, time: float) -> bool:
-        """Whether a view of this simulated time (s) is of use."""
+        """Whether a snapshot of this simulated time (s) is of use."""
         due = time >= self._at - 1e-9 or time >= self._marks * PACE - 1e-9
         return due and not self._taken
 
-    def take(self, view: FrameView, *, last: bool = False) -> None:
+    def take(self, snapshot: Snapshot, *, last: bool = False) -> None:
         """Keeps where the robots are, and takes the picture if the moment has come, or the last."""
         if self._taken:
             return
-        if view.time < self._at - 1e-9 and not last:
-            self._marks = math.floor(view.time / PACE + 1e-6) + 1
-            self.picture.composer.mark(view.time, view.poses)
+        if snapshot.time < self._at - 1e-9 and not last:
+            self._marks = math.floor(snapshot.time / PACE + 1e-6) + 1
+            self.picture.composer.mark(snapshot.time, snapshot.poses)
             return
         self._taken = True
         try:
-            save_picture(self.path, self.picture, view)
-            self.time = view.time
+            save_picture(self.path, self.picture, snapshot)
+            self.time = snapshot.time
         except VideoError as error:
             self.error = str(error)

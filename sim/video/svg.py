@@ -30,7 +30,7 @@ from sim.video.scans import PALE, PALER, RING_WIDTH, fan_outline, sighting_arcs
 from sim.video.text import SCALE, Lettering, balloon_outline
 
 if TYPE_CHECKING:
-    from sim.video.compose import Composer, Moment
+    from sim.video.compose import Composer, Composition
     from sim.video.status import StatusLine
 
 Points = NDArray[np.float64]
@@ -40,19 +40,19 @@ LETTER = 28.5
 FAN = 0.16
 
 
-def svg_of(composer: Composer, moment: Moment, status: StatusLine) -> str:
+def svg_of(composer: Composer, composed: Composition, status: StatusLine) -> str:
     """The document of a moment; lengths are those of the picture in pixels."""
     p, lettering = composer.projection, composer.lettering
     body = [
         *_ground(composer),
-        *_scans(composer, moment),
-        *_paint(composer, moment),
+        *_scans(composer, composed),
+        *_paint(composer, composed),
         *_solids(composer),
-        *(_trails(composer) if moment.trails else ()),
-        *_bodies(moment, p.unit),
-        *_sightings(composer, moment),
-        *_drawings(composer, moment),
-        *_callouts(composer, moment),
+        *(_trails(composer) if composed.trails else ()),
+        *_bodies(composed, p.unit),
+        *_sightings(composer, composed),
+        *_drawings(composer, composed),
+        *_callouts(composer, composed),
     ]
     field = p.field_height
     strip = [
@@ -60,7 +60,7 @@ def svg_of(composer: Composer, moment: Moment, status: StatusLine) -> str:
         f'fill="{_hex(STRIP)}"/>',
         *(
             text(lettering, words, x, field + status.baseline, ink)
-            for words, x, ink in status.entries(moment.view, len(moment.colors))
+            for words, x, ink in status.entries(composed.snapshot, len(composed.colors))
         ),
     ]
     if status.title is not None:
@@ -164,12 +164,12 @@ def _solids(composer: Composer) -> list[str]:
     return [path(them, fill=color, stroke=color, width=0.5) for color, them in by_color.items()]
 
 
-def _paint(composer: Composer, moment: Moment) -> list[str]:
-    if moment.view.floor is None:
+def _paint(composer: Composer, composed: Composition) -> list[str]:
+    if composed.snapshot.floor is None:
         return []
-    p, step = composer.projection, moment.view.resolution
+    p, step = composer.projection, composed.snapshot.resolution
     parts = []
-    for owner, rectangles in rectangles_of(moment.view.floor):
+    for owner, rectangles in rectangles_of(composed.snapshot.floor):
         data = []
         for row, column, rows, columns in rectangles:
             x, y = p.edges(np.array([column * step, (row + rows) * step]))
@@ -182,11 +182,11 @@ def _paint(composer: Composer, moment: Moment) -> list[str]:
     return parts
 
 
-def _scans(composer: Composer, moment: Moment) -> list[str]:
+def _scans(composer: Composer, composed: Composition) -> list[str]:
     p, parts = composer.projection, []
-    filled = moment.fans == "filled"
-    strength = FAN / np.sqrt(max(len(moment.scans), 1))
-    for scan in moment.scans:
+    filled = composed.fans == "filled"
+    strength = FAN / np.sqrt(max(len(composed.scans), 1))
+    for scan in composed.scans:
         outline = _edges(fan_outline(scan, p))
         color = tint(scan.robot)
         opacity = f' fill-opacity="{strength:.3f}"' if filled else ""
@@ -203,18 +203,18 @@ def _trails(composer: Composer) -> list[str]:
     ]
 
 
-def _bodies(moment: Moment, unit: float) -> list[str]:
+def _bodies(composed: Composition, unit: float) -> list[str]:
     parts = []
     for group, colors, robots in (
-        (moment.movables, moment.movable_colors, False),
-        (moment.robots, moment.colors, True),
+        (composed.movables, composed.movable_colors, False),
+        (composed.robots, composed.colors, True),
     ):
         drawn: list[tuple[int, str]] = []
         for placed in group:
             kind, count = placed.kind, placed.kind.count
             for index, corners in zip(kind.members.tolist(), placed.corners, strict=True):
                 points = np.stack([corners.real, corners.imag], axis=1)
-                settled = robots and bool(moment.settled[index])
+                settled = robots and bool(composed.settled[index])
                 robot = index if robots and kind.rimmed else None
                 coat = coat_of(int(colors[index]), robot, settled)
                 outline = points[:count]
@@ -237,19 +237,19 @@ def _bodies(moment: Moment, unit: float) -> list[str]:
     return parts
 
 
-def _sightings(composer: Composer, moment: Moment) -> list[str]:
+def _sightings(composer: Composer, composed: Composition) -> list[str]:
     p, radii = composer.projection, composer.bodies.radii
     width = RING_WIDTH * p.unit
     return [
         path([points], stroke=color, width=width, closed=False)
-        for sighting in moment.sightings
+        for sighting in composed.sightings
         for color, points in sighting_arcs(sighting, radii[sighting.robot], p)
     ]
 
 
-def _drawings(composer: Composer, moment: Moment) -> list[str]:
+def _drawings(composer: Composer, composed: Composition) -> list[str]:
     p, parts = composer.projection, []
-    for drawing in moment.view.drawings:
+    for drawing in composed.snapshot.drawings:
         points = p.edges(np.asarray(drawing.points, float).reshape(-1, 2))
         color, unit = drawing.color, p.unit
         if drawing.kind == "points":
@@ -270,10 +270,10 @@ def _drawings(composer: Composer, moment: Moment) -> list[str]:
     return parts
 
 
-def _callouts(composer: Composer, moment: Moment) -> list[str]:
+def _callouts(composer: Composer, composed: Composition) -> list[str]:
     lettering, parts = composer.lettering, []
     unit = lettering.unit
-    for callout in moment.callouts:
+    for callout in composed.callouts:
         left, top, _, height = callout.box
         if callout.kind == "name":
             baseline = top + height / 2 + 4 * unit

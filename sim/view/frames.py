@@ -78,7 +78,7 @@ def encode_scene(scene: Scene) -> bytes:
 
 
 def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> bytes:
-    """A moment for a viewer that has been `told` so much, which is brought up to date."""
+    """A moment for a viewer that knows what `told` says; `told` is brought up to date."""
     sections: list[tuple[int, bytes]] = []
     count = len(moment.poses)
     if told.robots < count:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import ceil, radians
-from typing import Any
+from math import ceil
 
-from sim.stage.limits import DEEPEST, MOST_PIECES, MOST_PUSH, MOST_RATIO
 from sim.worldfile.mistakes import Mistake
-from sim.worldfile.schema import Drive, World
+from sim.worldfile.schema import World
 
 MOST_CELLS = 200_000_000
 """Cells of the paint layer, of which each takes a few bytes."""
@@ -61,61 +58,6 @@ def period_mistakes(world: World) -> list[Mistake]:
                 )
             )
     return mistakes
-
-
-def physics_mistakes(world: World) -> list[Mistake]:
-    """What the physics could not keep apart: too unequal masses, too strong or too fast drives.
-
-    Only models count that robots or doors use.
-    """
-    from sim.stage.geometry import least_width, outline, reach  # noqa: PLC0415
-
-    bodies = list(_moving(world))
-    if not bodies:
-        return []
-    mistakes: list[Mistake] = []
-    lightest, least = min(((body.mass, where) for where, body, _ in bodies), key=lambda one: one[0])
-    than = f"{lightest:g} kg of {'.'.join(map(str, least))}"
-    clock, longest, fastest = world.clock, float("inf"), ""
-    for where, body, drive in bodies:
-        if body.mass > MOST_RATIO * lightest * (1 + 1e-9):
-            what = "is too heavy for the lightest body"
-            allowed = f"at most {MOST_RATIO:g} times the {than}"
-            place = (*where, "body", "mass") if where[0] == "models" else (*where, "mass")
-            mistakes.append(Mistake(place, what, f"{body.mass:g}", allowed))
-        if drive is None:
-            continue
-        if drive.max_force > MOST_PUSH * lightest * (1 + 1e-9):
-            what = "is too strong for the lightest body"
-            allowed = f"at most {MOST_PUSH * lightest:g}: {MOST_PUSH:g} m/s2 for the {than}"
-            place = (*where, "drive", "max_force")
-            mistakes.append(Mistake(place, what, f"{drive.max_force:g}", allowed))
-        lever, width = 0.0, 2.0 * getattr(body, "radius", 0.0)
-        if body.shape != "circle":
-            lever, width = reach(body), least_width(outline(body))
-        speed = drive.max_speed + radians(drive.max_turn_rate) * lever
-        step = MOST_PIECES * min(DEEPEST, width / 2.0) / (2.0 * speed)
-        if step < longest:
-            longest, fastest = step, f"{where[1]} at {speed:.6g} m/s"
-    if clock.physics_step > longest:
-        near = clock.interval / max(1, ceil(clock.interval / longest))
-        what = "is so long that bodies could pass through others in it"
-        allowed = f"at most {longest:.3g} for model {fastest}, such as {near:.6g}"
-        mistakes.append(
-            Mistake(("clock", "physics_step"), what, f"{clock.physics_step:g}", allowed)
-        )
-    return mistakes
-
-
-def _moving(world: World) -> Iterator[tuple[tuple[str | int, ...], Any, Drive | None]]:
-    """Where in the file a body that moves is described, the body, and its drive."""
-    used = [robot.model for robot in world.robots] + [door.model for door in world.doors]
-    for name in dict.fromkeys(used):
-        if name in world.models:
-            yield ("models", name), world.models[name].body, world.models[name].drive
-    for index, obstacle in enumerate(world.obstacles):
-        if obstacle.movable:
-            yield ("obstacles", index), obstacle, None
 
 
 def port_mistakes(world: World, robots: int) -> list[Mistake]:

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from sim.printable import printable
+from player.printable import printable
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ from typing import Any
 
 from sim.worldfile.mistakes import Mistake, listed, suggestion
 from sim.worldfile.programs import find_program, is_file_name, programs
-from sim.worldfile.salvage import Salvaged
 from sim.worldfile.schema import Controller
 from sim.worldfile.syntax import program_mistakes
+from sim.worldfile.valid_part import ValidPart
 
 
-def reference_mistakes(data: Mapping[str, Any], found: Salvaged, folder: Path) -> list[Mistake]:
-    """Names of models, controllers and files in a salvaged world that lead nowhere."""
+def reference_mistakes(data: Mapping[str, Any], found: ValidPart, folder: Path) -> list[Mistake]:
+    """Names of models, controllers and files in a valid part of a world that lead nowhere."""
     world = found.world
     assert world is not None
     models, controllers = _names(data, "models"), _names(data, "controllers")

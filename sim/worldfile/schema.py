@@ -312,8 +312,10 @@ class Player(Part):
         default="per_robot",
         description="a port for each robot, or one port that serves all by index",
     )
-    clock: Literal["all", "any"] = Field(
-        default="all", description="whether a tick waits for every robot's client, or for any"
+    clock: Literal["all", "any", "free"] = Field(
+        default="all",
+        description="whether a tick waits for every robot's client, for any, or, `free`, for none: "
+        "then the world runs on by itself in real time",
     )
 
 

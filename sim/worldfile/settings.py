@@ -9,7 +9,7 @@ from sim.worldfile.nodes import ListNode, MappingNode, Mark, Node, ScalarNode
 from sim.worldfile.reader import Unreadable, read_text
 
 
-class Refused(Exception):
+class BadSetting(Exception):
     """A setting that cannot be laid upon the file; `mistakes` says why."""
 
     def __init__(self, *mistakes: Mistake) -> None:
@@ -27,17 +27,19 @@ def with_setting(root: MappingNode, setting: str) -> MappingNode:
     key, equals, text = setting.partition("=")
     path = [part.strip() for part in key.strip().split(".")]
     if not equals or not all(path):
-        raise Refused(
+        raise BadSetting(
             Mistake((), "is no setting", setting, "KEY=VALUE, such as clock.interval=0.1", "--set")
         )
     if path[0] == "include":
-        raise Refused(Mistake(("include",), "cannot be set; write it into a file", file=mark.file))
+        raise BadSetting(
+            Mistake(("include",), "cannot be set; write it into a file", file=mark.file)
+        )
     try:
         node, mistakes = read_text(text, mark.file)
     except Unreadable as error:
-        raise Refused(replace(error.mistake, line=None, column=None)) from None
+        raise BadSetting(replace(error.mistake, line=None, column=None)) from None
     if mistakes:
-        raise Refused(*(replace(mistake, line=None, column=None) for mistake in mistakes))
+        raise BadSetting(*(replace(mistake, line=None, column=None) for mistake in mistakes))
     value = ScalarNode(mark, None) if node is None else _marked(node, mark)
     changed = _changed(root, path, 0, value, mark)
     assert isinstance(changed, MappingNode)
@@ -50,7 +52,7 @@ def _changed(node: Node | None, path: list[str], depth: int, value: Node, mark: 
     key, where = path[depth], tuple(path[:depth])
     if node is None or (isinstance(node, ScalarNode) and node.value is None):
         if key.isdecimal():
-            raise Refused(Mistake(where, "is no list in the file", None, None, mark.file))
+            raise BadSetting(Mistake(where, "is no list in the file", None, None, mark.file))
         node = MappingNode(mark, {}, {})
     if isinstance(node, MappingNode):
         below = _changed(node.items.get(key), path, depth + 1, value, mark)
@@ -63,7 +65,7 @@ def _changed(node: Node | None, path: list[str], depth: int, value: Node, mark: 
     if isinstance(node, ListNode):
         if not key.isdecimal() or int(key) >= len(node.items):
             last = len(node.items) - 1
-            raise Refused(
+            raise BadSetting(
                 Mistake(
                     where,
                     "has no such place",
@@ -75,7 +77,7 @@ def _changed(node: Node | None, path: list[str], depth: int, value: Node, mark: 
         index = int(key)
         below = _changed(node.items[index], path, depth + 1, value, mark)
         return replace(node, items=(*node.items[:index], below, *node.items[index + 1 :]))
-    raise Refused(
+    raise BadSetting(
         Mistake(where, f"is a single value, so it has no `{key}`", str(node.value), None, mark.file)
     )
 

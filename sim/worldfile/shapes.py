@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from sim.worldfile.values import Color, NonNegative, Part, Point, Pose, Positive, Size, wrong
+from sim.worldfile.values import Color, Name, NonNegative, Part, Point, Pose, Positive, Size, wrong
 
 GRAY = 0x808080
 
@@ -108,6 +108,9 @@ class Polygon(Part):
 class BoxObstacle(Box):
     """A box that stands in the world."""
 
+    name: Name | None = Field(
+        default=None, description="by which programs ask where it is; no two things share one"
+    )
     pose: Pose = Field(description="x, y in m and heading in degrees")
     movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
 
@@ -115,6 +118,9 @@ class BoxObstacle(Box):
 class CircleObstacle(Circle):
     """A disc that stands in the world."""
 
+    name: Name | None = Field(
+        default=None, description="by which programs ask where it is; no two things share one"
+    )
     pose: Pose = Field(description="x, y in m and heading in degrees")
     movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
 
@@ -122,6 +128,9 @@ class CircleObstacle(Circle):
 class PolygonObstacle(Polygon):
     """A convex polygon that stands in the world."""
 
+    name: Name | None = Field(
+        default=None, description="by which programs ask where it is; no two things share one"
+    )
     pose: Pose = Field(description="x, y in m and heading in degrees")
     movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
 

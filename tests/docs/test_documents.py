@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import troupe
-from sim.worldfile import load
+from sim.build import load
 from tests.patience import PATIENCE
 from tests.processes import ROOT, environment, troupe_command
 
@@ -28,6 +28,8 @@ PAGES = [
     "docs/paint.md",
     "docs/architecture.md",
     "docs/performance.md",
+    "docs/examples.md",
+    "docs/gallery.md",
 ]
 PROGRAMS = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
 """Where the command `troupe` is, as in an environment that is in use."""

@@ -164,7 +164,7 @@ def test_leader_follower_rules_cover_any_connected_region(name, q):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_settled_robot_that_keeps_executing_algorithm_2_never_moves(kind):
     region = random_region(kind, np.random.default_rng(8), 7)
-    assert len(walk(region, rules.fcdfs5, settled_go_on=True)) == region.cells
+    assert len(walk(region, rules.RULES["fcdfs5"], settled_go_on=True)) == region.cells
 
 
 def test_robots_come_in_through_several_doors():

@@ -87,6 +87,14 @@ class Talk:
             self.say(interf, 0, DATA, subtype, payload, time)
         self.say(PLAYER, 0, SYNCH, 1, time=1e300)  # a real server's time here is garbage
 
+    def whole_round(self, *data, time=1.0):
+        """As `round`, in one write and with one time: as our server sends it."""
+        self.expect(PLAYER, REQ, GET_DATA)
+        said = say(PLAYER, 0, ACK, GET_DATA, time=time)
+        for interf, subtype, payload in data:
+            said += say(interf, 0, DATA, subtype, payload, time)
+        self.sock.sendall(said + say(PLAYER, 0, SYNCH, 1))
+
     def refuse(self, interf, subtype):
         message = self.expect(interf, REQ, subtype)
         self.reply(message, type_=NACK)

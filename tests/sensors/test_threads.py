@@ -8,7 +8,7 @@ import pytest
 from sensors import suite as module
 from sensors.registry import settings_for
 from sensors.scene import Scene
-from sensors.suite import CREW, Suite
+from sensors.suite import ENOUGH_FOR_THREADS, Suite
 
 SENSORS = [
     {"type": "laser", "samples": 60, "noise": 0.01},
@@ -26,7 +26,7 @@ def crowd() -> Suite:
     )
     suite = Suite(scene, seed=3)
     random = np.random.default_rng(4)
-    for k in range(2 * CREW):
+    for k in range(2 * ENOUGH_FOR_THREADS):
         x, y = random.uniform(1.0, side - 1.0, 2)
         entity = scene.add_entity(color=0x00FF00, pose=(x, y, random.uniform(-math.pi, math.pi)))
         scene.add_circle(entity, 0.4)
@@ -54,5 +54,5 @@ def test_the_number_of_threads_changes_no_reading(
     assert one.hits.tobytes() == many.hits.tobytes()
     assert blobs.counts.tobytes() == more.counts.tobytes()
     assert blobs.counts.min() > 0
-    for k in range(2 * CREW):
+    for k in range(2 * ENOUGH_FOR_THREADS):
         assert blobs.seen(k).tobytes() == more.seen(k).tobytes()

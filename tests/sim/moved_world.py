@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.build import load
 from sim.scenery import Scenery
-from sim.worldfile import load
 
 
 class Moved:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from sim.engine import Engine
 from troupe.testing import Lockstep
@@ -14,7 +15,19 @@ World = Callable[..., Path]
 
 
 class Serving(Lockstep):
-    """A served run whose engine is looked at as well: for tests of how it serves, of no others."""
+    """A served run whose engine is looked at as well: for tests of how it serves, of no others.
+
+    `now` is the wall clock by which it is held to real time.
+    """
+
+    def __init__(self, path: Path, *, now: Callable[[], float] | None = None, **told: Any) -> None:
+        self.now = now
+        super().__init__(path, **told)
+
+    def _prepare(self) -> None:
+        if self.now is not None:
+            self.engine.pace.now = self.now
+            self.engine.pace.begin()
 
     @property
     def engine(self) -> Engine:

@@ -13,11 +13,11 @@ import psutil
 import pytest
 
 import troupe
+from sim.build import load
 from sim.engine import Engine, Settings
 from sim.fleet.driver import Driver
 from sim.fleet.patience import Patience
 from sim.run import run_world
-from sim.worldfile import load
 from tests.processes import environment
 
 World = Callable[..., Path]

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import troupe
+from sim.build import load
 from sim.filming import backdrop_of, shown
 from sim.stage.boundary import touchable
 from sim.stage.raster import Raster
 from sim.video.errors import VideoError
 from sim.video.layers import LAYERS, SHOWN, parse_layers
 from sim.video.recorder import FPS, SPEED
-from sim.worldfile import load
 from sim.worldfile.mistakes import WorldError
 from sim.worldfile.schema import Video
 
@@ -108,7 +108,7 @@ def test_who_has_finished_is_settled_and_has_no_fan(world: Path) -> None:
     with troupe.Simulation(world, seed=1, duration=1.0) as simulation:
         while not simulation.over:
             simulation.step()
-        last = simulation.view()
+        last = simulation.snapshot()
     assert list(last.settled) == [True, False]
     assert {scan.robot for scan in last.scans} == {1}  # type: ignore[union-attr]
     assert list(last.said) == ["done", "done"]

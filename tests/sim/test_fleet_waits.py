@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from sim.build import load
 from sim.engine import Settings
 from sim.fleet.fleet import Fleet
 from sim.run import run_world
-from sim.worldfile import load
 
 QUIET = """\
 size: [6, 6]

@@ -11,10 +11,10 @@ from time import monotonic, sleep
 import psutil
 import pytest
 
+from sim.build import load
 from sim.engine import Engine, Settings
 from sim.fleet.fleet import Fleet, Launch
 from sim.run import run_world
-from sim.worldfile import load
 from tests.patience import PATIENCE
 
 WORLDS = Path(__file__).resolve().parents[2] / "worlds"

@@ -99,10 +99,11 @@ def test_a_laser_that_is_configured_serves_that_part_of_its_scan(run: Serving) -
         marks = bytes(r <= 4.0 for r in truth)
         assert rest == struct.pack(">II", 38, 38) + marks + bytes(2) + bytes(4)
         assert 0 < sum(marks) < 38
-        # more than the sensor has is cut to what it has
-        greedy = struct.pack(">5fIf", -3.0, 3.0, 0.0, 100.0, 0.0, 0, 10.0)
-        whole = client.request(LASER, 0, 2, greedy).unpack("5fIf")
-        assert whole[:4] == pytest.approx((-math.pi / 2, math.pi / 2, degree, 8.0), rel=FLOAT32)
+        # and all of it, as a client of Stage's would ask for it: by the number of rays
+        angle = math.pi / 2
+        all_of_it = struct.pack(">5fIf", -angle, angle, math.pi / 181, 8.0, 0.02, 0, 10.0)
+        whole = client.request(LASER, 0, 2, all_of_it).unpack("5fIf")
+        assert whole[:4] == pytest.approx((-angle, angle, degree, 8.0), rel=FLOAT32)
         _, ranges, rest = scan(client.round()[LASER, 0, 1].payload)
         assert (len(ranges), rest) == (181, bytes(12))
 

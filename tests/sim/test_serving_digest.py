@@ -135,7 +135,7 @@ def test_clients_that_come_from_outside_give_the_same_digest(
         result = run.result()
     assert [client.wait(PATIENCE) for client in clients] == [0, 0]
     assert result.digest == expected.digest
-    assert [robot.state for robot in result.robots] == ["running", "lost"]
+    assert [robot.state for robot in result.robots] == ["running", "finished"]
 
 
 # -- onlookers ----------------------------------------------------------------------------------

@@ -17,11 +17,11 @@ import troupe
 from player.codes import Interface, MessageType
 from player.messages import MessageSpec, specs
 from player.xdr import Array, Octets, Record, Scalar, Text
+from sim.build import load
 from sim.devices import position2d
 from sim.devices.laser import Laser
 from sim.devices.position2d import Position2d
 from sim.filming import Film, open_recorder
-from sim.worldfile import load
 from tests.sim.served_world import WORLD
 from tests.sim.serving import Serving, write_world
 from troupe.testing.wire import (
@@ -121,7 +121,7 @@ def test_an_error_costs_its_client_the_connection_and_nobody_else_anything(
             other.ask()
             with pytest.raises(Gone):  # noqa: PT012 - in which of them depends on where
                 client.command(POSITION2D, 0, 4, struct.pack(">2d", 0.3, 0.1))
-                client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0, 2, 0, 0, 0))
+                client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0.1, 2, 0, 0, 0))
                 client.subscribe(LASER)
                 client.request(POSITION2D, 0, 1)
                 client.round()

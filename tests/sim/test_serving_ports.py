@@ -21,7 +21,7 @@ from troupe.testing.wire import (
 
 def test_one_port_serves_all_robots_by_index(world: World) -> None:
     with Serving(world("hand", layout="shared")) as run:
-        run.line("two: waiting for a Player client at .* that subscribes position2d:1")
+        run.line("two: waiting for a Player client at .* that reads position2d:1")
         with pulling(run.shared_port, (POSITION2D, 0)) as one:
             assert {(4, 0), (4, 1), (6, 0), (6, 1), (31, 0)} <= set(one.devices())
             assert (31, 1) not in one.devices()
@@ -109,7 +109,7 @@ def test_a_client_that_is_told_no_port_finds_the_robot_that_waits_for_one(
 ) -> None:
     with Serving(world(layout=layout), listen=None) as run:
         told = run.line("one: waiting for a Player client")
-        assert f"at 127.0.0.1:{default_port} that subscribes position2d:0" in told.string
+        assert f"at 127.0.0.1:{default_port} that reads position2d:0" in told.string
         run.line(f"  by hand: python -m controllers.keyboard 127.0.0.1:{default_port}")
         with player.PlayerClient(environ={}, timeout=None) as client:
             base = player.Position2dProxy(client)

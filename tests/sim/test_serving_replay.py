@@ -67,7 +67,6 @@ DRIVEN = ", controller: client"
 
 # What this server answers where Player (with Stage) answers otherwise: docs/player.md says why.
 SAYS_YES = {
-    (LASER, 2),  # set_config, which Stage refuses (twice for one request)
     (LASER, 5),  # get_id
     (RANGER, 2),  # power
     (RANGER, 3),  # intensities

@@ -51,8 +51,8 @@ def frames(video: Path) -> int:
         "import:numba",
         "sim.fleet.fleet:Fleet.__init__:after",
         "troupe.warm:warm_once",
-        "sim.worldfile:load",
-        "sim.worldfile.loading:LoadedWorld",
+        "sim.build:load",
+        "sim.build:LoadedWorld",
     ],
 )
 def test_before_there_is_anything_to_lose_the_command_ends_at_once(
@@ -102,7 +102,7 @@ def test_a_polite_kill_and_a_closed_terminal_are_the_same(number: int, tmp_path:
     done = struck("sim.video.encode:H264Encoder.close", tmp_path, number=number)
     assert done.returncode == 130
     assert json.loads(done.stdout)["ticks"] == TICKS
-    assert struck("sim.worldfile:load", tmp_path, number=number).returncode == 130
+    assert struck("sim.build:load", tmp_path, number=number).returncode == 130
 
 
 def test_the_plain_summary_is_printed_to_its_end(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from gridworld.regions import load as load_region
-from sim.worldfile import load
+from sim.build import load
 from tests.troupe.test_check import APP
 from troupe.worlds import find_world
 

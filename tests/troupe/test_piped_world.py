@@ -49,7 +49,7 @@ def test_a_piped_world_finds_its_map_from_the_current_folder(
 
 
 def test_a_named_pipe_goes_before_a_name_and_is_read_once(folder: Path) -> None:
-    from sim.worldfile import load  # noqa: PLC0415
+    from sim.build import load  # noqa: PLC0415
 
     pipe = folder / "wander"
     os.mkfifo(pipe)

@@ -13,7 +13,8 @@ import troupe
 from sim.video.errors import VideoError
 from sim.worldfile import WorldError
 from troupe.commands.run import run as command
-from troupe.running import as_text, parse_listen
+from troupe.running import parse_listen
+from troupe.setting import as_text
 from troupe.usage import UsageError
 
 SHOWN = {"as_json", "quiet", "view", "view_at", "no_open", "read_only"}

@@ -42,11 +42,11 @@ def test_a_kernel_is_compiled_anew_when_a_constant_of_another_file_has_changed(
     assert found == [["14", "0"], ["14", "1"], ["21", "0"]]  # the result, and hits of the cache
 
 
-def test_the_grids_step_goes_by_the_rules_and_by_chance() -> None:
-    from controllers.dispersal import chance, rules  # noqa: PLC0415
+def test_the_grids_step_goes_by_the_vocabulary_and_by_chance() -> None:
+    from controllers.dispersal import chance, vocabulary  # noqa: PLC0415
     from gridworld import compiled, step  # noqa: PLC0415
 
     name = step.advance.py_func.__qualname__
-    assert name == compiled.keyed(lambda: None, chance, compiled, rules).__qualname__.replace(
+    assert name == compiled.keyed(lambda: None, chance, compiled, vocabulary).__qualname__.replace(
         "<lambda>", "_advance"
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from sim.worldfile import LoadedWorld
+    from sim.build import LoadedWorld
 
 
 def check(
@@ -30,8 +30,9 @@ def check(
 
     Exit code 2 if there is any mistake.
     """
-    from sim.printable import printable  # noqa: PLC0415 - `troupe --help` stays quick
-    from sim.worldfile import WorldError, load  # noqa: PLC0415
+    from player.printable import printable  # noqa: PLC0415 - `troupe --help` stays quick
+    from sim.build import load  # noqa: PLC0415
+    from sim.worldfile import WorldError  # noqa: PLC0415
     from troupe.compiling import Compiling  # noqa: PLC0415
     from troupe.warm import tell, warm_once  # noqa: PLC0415
     from troupe.worlds import find_world  # noqa: PLC0415

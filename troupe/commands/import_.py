@@ -74,7 +74,8 @@ def write(converted: Converted, target: Path, force: bool) -> None:
 
 def mistakes_in(target: Path) -> list[str]:
     """What is wrong with a world file, also with where its robots stand."""
-    from sim.worldfile import WorldError, load  # noqa: PLC0415  (loads the compiled kernels)
+    from sim.build import load  # noqa: PLC0415  (loads the compiled kernels)
+    from sim.worldfile import WorldError  # noqa: PLC0415
 
     try:
         loaded = load(target)

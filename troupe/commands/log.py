@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from sim.printable import printable
+from player.printable import printable
 from troupe.usage import UsageError, told
 
 log = typer.Typer(

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from sim.printable import printable_lines
+from player.printable import printable_lines
 from troupe.usage import UsageError, told
 
 FORMATS = ("html", "md")

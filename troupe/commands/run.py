@@ -20,7 +20,7 @@ from troupe.usage import UsageError, told
 from troupe.view_option import parse_address
 
 if TYPE_CHECKING:
-    from troupe.live.opening import View
+    from troupe.live.opening import LiveView
     from troupe.running import Run
 
 
@@ -121,6 +121,14 @@ def run(
             show_default="as fast as possible",
         ),
     ] = None,
+    free: Annotated[
+        bool,
+        typer.Option(
+            "--free",
+            help="Wait for no Player client from outside: the world runs on by itself, in real "
+            "time unless --realtime says otherwise, for programs that sleep.",
+        ),
+    ] = False,
     listen: Annotated[
         str | None,
         typer.Option(
@@ -178,6 +186,7 @@ def run(
         duration=duration,
         settings=set_ or [],
         realtime=realtime,
+        free=free,
         listen=listen,
         patience=patience,
         fail_fast=fail_fast,
@@ -195,7 +204,7 @@ def run(
 
 @dataclass(frozen=True)
 class Watched:
-    """How a run is to be shown in a browser: see `troupe.live.opening.View`."""
+    """How a run is to be shown in a browser: see `troupe.live.opening.LiveView`."""
 
     address: str | None
     browser: bool
@@ -203,14 +212,14 @@ class Watched:
     paused: bool = False
     stays: bool = False
 
-    def open(self, screen: Screen, again: bool) -> View:
+    def open(self, screen: Screen, again: bool) -> LiveView:
         """The view, not yet entered."""
-        from troupe.live.opening import View  # noqa: PLC0415 - loaded for those who watch
+        from troupe.live.opening import LiveView  # noqa: PLC0415 - loaded for those who watch
 
         host, port = (
             ("127.0.0.1", 0) if self.address is None else parse_address("view", self.address)
         )
-        return View(
+        return LiveView(
             host,
             port,
             browser=self.browser,

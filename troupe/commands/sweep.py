@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from player.printable import printable_lines
 from sim.interrupts import Interrupts
-from sim.printable import printable_lines
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.usage import UsageError, told
 

@@ -11,7 +11,7 @@ from time import sleep
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from troupe.live.entrance import is_loopback
+from sim.ports import is_loopback
 from troupe.live.exchange import Exchange
 from troupe.live.server import LiveServer
 from troupe.live.watch import Watch
@@ -23,7 +23,7 @@ LOOK_AGAIN = 0.1
 """Wall-clock seconds between two looks at what is asked for after a run's end."""
 
 
-class View:
+class LiveView:
     """Serves the page as long as it is entered.
 
     `host`, `port` (0: any free one): where. `paused`: the first run stands at its beginning.

@@ -12,8 +12,8 @@ from sim.video import palette
 from sim.view.moment import Scene
 
 if TYPE_CHECKING:
+    from sim.build import LoadedWorld
     from sim.engine import Engine
-    from sim.worldfile import LoadedWorld
 
 MOST_FANS = 32
 """Robots up to which the readings of all of them show; of more, those of who is selected."""

@@ -334,7 +334,7 @@ def may_drive(engine: Engine, robot: int) -> str | None:
         return "it has become a standing body, as its controller has ended"
     if driver.launched and driver.running:
         return "its controller drives it"
-    if driver.clocks:
+    if driver.driving:
         return "a client drives it"
     return None
 

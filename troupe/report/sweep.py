@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.printable import printable
+from player.printable import printable
 from troupe.report import plots
 from troupe.report.groups import (
     Group,

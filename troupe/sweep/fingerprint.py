@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sim.worldfile import LoadedWorld, nodes
+from sim.build import LoadedWorld
+from sim.worldfile import nodes
 from sim.worldfile.files import rebased
 from sim.worldfile.nodes import ListNode, MappingNode, Node
 from sim.worldfile.programs import is_file_name

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sim.worldfile import LoadedWorld, WorldError, load
+from sim.build import LoadedWorld, load
+from sim.worldfile import WorldError
 from sim.worldfile.mistakes import MOST_TOLD, Mistake
 from troupe.sweep.fingerprint import Fingerprint, fingerprint
 from troupe.sweep.results import Judge

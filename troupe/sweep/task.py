@@ -12,10 +12,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sim.build import LoadedWorld
 from sim.engine import Settings
 from sim.fleet.fleet import Fleet
 from sim.run import run_world
-from sim.worldfile import LoadedWorld, WorldError
+from sim.worldfile import WorldError
 from troupe.sweep.fingerprint import Fingerprint
 from troupe.sweep.judging import Judging, judges_of
 from troupe.sweep.plan import Run, as_settings, load_point

@@ -24,7 +24,7 @@ from troupe.log import Log
 from troupe.testing.outlines import Floats, Outline, inside, outline_of, separation
 
 if TYPE_CHECKING:
-    from sim.worldfile import LoadedWorld
+    from sim.build import LoadedWorld
     from troupe.simulation import Simulation
 
 
@@ -41,8 +41,8 @@ class Surroundings:
     """All of a world that is no robot.
 
     `size` (m, m). `arena`: corners (k, 2) of the convex boundary, counter-clockwise, or None.
-    `standing`: obstacles, by the name `obstacle K`, from 0 as in the file, and the blocks of the
-    `map`. `movables`: name and outline of what can be pushed. `cell`: metres of a painted cell.
+    `standing`: obstacles, by their names or `obstacle K`, from 0 as in the file, and the blocks of
+    the `map`. `movables`: name and outline of what can be pushed. `cell`: metres of a painted cell.
     """
 
     size: tuple[float, float]
@@ -58,7 +58,7 @@ class Surroundings:
         arena = layout.arena if world.boundary is not None else None
         standing, movables = [], []
         for k, one in enumerate(world.obstacles):
-            name, outline = f"obstacle {k}", outline_of(one)
+            name, outline = one.name or f"obstacle {k}", outline_of(one)
             if one.movable:
                 movables.append((name, outline))
                 continue

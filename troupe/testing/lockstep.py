@@ -44,6 +44,7 @@ class Lockstep:
         listen: (host, port) where clients can connect, port 0 for any that is free; None: as the
             world has it.
         realtime: simulated seconds per wall-clock second; as fast as clients go unless given.
+        free: the world waits for no client and goes on in real time: no lockstep then.
         patience: wall-clock seconds that a client may keep the others waiting.
         each_tick: called with the simulation after every tick, in the run's thread.
 
@@ -60,6 +61,7 @@ class Lockstep:
         controllers: bool | Mapping[str, Callable[[Robot], None] | bool] = True,
         listen: tuple[str, int] | None = ("127.0.0.1", 0),
         realtime: float | None = None,
+        free: bool = False,
         patience: float = 60.0,
         each_tick: Callable[[Simulation], object] = lambda simulation: None,
     ) -> None:
@@ -77,11 +79,16 @@ class Lockstep:
             set=set,
             listen=listen,
             realtime=realtime,
+            free=free,
             patience=patience,
             say=self._say,
         )
+        self._prepare()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
+
+    def _prepare(self) -> None:
+        """Called before the first tick."""
 
     def _run(self) -> None:
         simulation = self.simulation

@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+from importlib import import_module
 from itertools import pairwise
 
 import numba
@@ -9,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.dispersal import chance, rules
-from controllers.dispersal.rules import DOWN, LEFT, RIGHT, RULES, SETTLE, STAY, UP
+from controllers.dispersal import chance, vocabulary
+from controllers.dispersal.rules import DOWN, LEFT, MODULES, RIGHT, RULES, SETTLE, STAY, UP
 from gridworld.compiled import RULE_SIGNATURE, RULE_TYPE, compile_rule, draw
 
 SEEN = st.integers(0, 2**48 - 1)
@@ -21,10 +22,17 @@ def looks(*blocked: int) -> int:
     return sum(1 << k for k in blocked)
 
 
-@pytest.mark.parametrize("module", [rules, chance])
+@pytest.mark.parametrize("module", [vocabulary, chance])
 def test_the_module_imports_nothing(module):
     tree = ast.parse(inspect.getsource(module))
     assert not [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_of_rules_imports_the_vocabulary_alone(name):
+    tree = ast.parse(inspect.getsource(import_module(f"controllers.dispersal.rules.{name}")))
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert [getattr(node, "module", None) for node in imports] == [vocabulary.__name__]
 
 
 @pytest.mark.parametrize("name", RULES)
@@ -73,7 +81,7 @@ def test_a_robot_turns_in_a_hall_and_moves_in_the_same_step(name):
 def test_a_robot_on_the_diagonal_is_no_wall_if_the_robot_came_that_way():
     # Up, then right: the diagonal of the corner at the top right is where the robot was.
     corner = looks(UP, RIGHT, 6)
-    for rule in (rules.fcdfs, rules.fcdfs5):
+    for rule in (RULES["fcdfs"], RULES["fcdfs5"]):
         state, _ = rule(0, 0)  # up
         state, _ = rule(state, looks(UP))  # right
         assert rule(state, corner)[1] == SETTLE
@@ -83,21 +91,21 @@ def test_a_robot_on_the_diagonal_is_no_wall_if_the_robot_came_that_way():
 
 
 def test_settling_leaves_011_in_the_last_three_of_the_five_bits():
-    state, move = rules.fcdfs5(rules.fcdfs5(0, looks(DOWN))[0], looks(UP, RIGHT, LEFT))
+    state, move = RULES["fcdfs5"](RULES["fcdfs5"](0, looks(DOWN))[0], looks(UP, RIGHT, LEFT))
     assert move == SETTLE
     assert state & 0b111 == 0b011
 
 
 def test_with_a_light_a_robot_waits_for_an_active_one_and_passes_a_settled_one():
     active_above = looks(UP, UP + 8)
-    assert rules.light(0, active_above) == (0, STAY)
-    assert rules.light(0, looks(UP))[1] == RIGHT
+    assert RULES["light"](0, active_above) == (0, STAY)
+    assert RULES["light"](0, looks(UP))[1] == RIGHT
 
 
 def test_five_bits_are_enough_for_algorithm_2():
     reached, new = {0}, {0}
     while new:
-        new = {rules.fcdfs5(state, seen)[0] for state in new for seen in range(256)} - reached
+        new = {RULES["fcdfs5"](state, seen)[0] for state in new for seen in range(256)} - reached
         reached |= new
     assert max(reached) < 32
 

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from video_arenas import SQUARE, walled
 
-from sim.video import Backdrop, FrameView
+from sim.video import Backdrop, Snapshot
 from sim.video.encode import H264Encoder
 from sim.video.picture import Picture
 
 GREEN = 0x00FF00
 
 
-def painters(picture: Picture, cells: np.ndarray, time: float) -> FrameView:
+def painters(picture: Picture, cells: np.ndarray, time: float) -> Snapshot:
     """Four painters with fans of 180 rays in 16 x 21 m, at 0.5 m/s, one strip each."""
     poses = []
     for robot in range(4):
@@ -36,7 +36,7 @@ def painters(picture: Picture, cells: np.ndarray, time: float) -> FrameView:
             upwards = (np.where(np.sin(bearings) > 0, 21 - y, -y)) / np.sin(bearings)
         ranges = np.minimum(np.minimum(sideways, upwards), 20)
         scans.append((robot, (x, y, yaw), np.pi, ranges))
-    return FrameView(
+    return Snapshot(
         time, np.array(poses), [GREEN] * 4, 0.5, ["", "at goal", "", ""], scans=scans, floor=cells
     )
 
@@ -49,10 +49,10 @@ def test_drawing_four_painters(benchmark: Any) -> None:
     out = np.empty((840, 640, 3), np.uint8)
     frames = count()
 
-    def view() -> tuple[tuple[FrameView, np.ndarray], dict[str, Any]]:
+    def snapshot() -> tuple[tuple[Snapshot, np.ndarray], dict[str, Any]]:
         return (painters(picture, cells, 0.4 * next(frames)), out), {}
 
-    benchmark.pedantic(picture.draw, setup=view, rounds=300, warmup_rounds=20)
+    benchmark.pedantic(picture.draw, setup=snapshot, rounds=300, warmup_rounds=20)
 
 
 def test_drawing_a_thousand_robots(benchmark: Any) -> None:
@@ -65,15 +65,15 @@ def test_drawing_a_thousand_robots(benchmark: Any) -> None:
     out = np.empty((840, 840, 3), np.uint8)
     frames = count()
 
-    def view() -> tuple[tuple[FrameView, np.ndarray], dict[str, Any]]:
+    def snapshot() -> tuple[tuple[Snapshot, np.ndarray], dict[str, Any]]:
         poses[:, :2] += 0.2 * np.column_stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])])
         scans = [(robot, poses[robot], np.pi, np.full(180, 20.0)) for robot in range(32)]
         return (
-            FrameView(0.4 * next(frames), poses, colors, said=[""] * 1000, scans=scans),
+            Snapshot(0.4 * next(frames), poses, colors, said=[""] * 1000, scans=scans),
             out,
         ), {}
 
-    benchmark.pedantic(picture.draw, setup=view, rounds=100, warmup_rounds=20)
+    benchmark.pedantic(picture.draw, setup=snapshot, rounds=100, warmup_rounds=20)
 
 
 def test_encoding_four_painters(benchmark: Any, tmp_path: Path) -> None:

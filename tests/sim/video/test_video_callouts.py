@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.video.callouts import CROWD, SHORT, Callout, named, place_callouts, speakers
+from sim.video.snapshot import Snapshot
 from sim.video.text import LONGEST, Lettering
-from sim.video.view import FrameView
 
 FIELD = (640, 814)
 RADIUS = 20.0
@@ -107,11 +107,11 @@ def test_what_is_said_in_a_crowd_is_cut_shorter(robots: int, longest: int) -> No
 
 
 def test_what_was_said_long_ago_is_not_heard() -> None:
-    view = FrameView(
+    snapshot = Snapshot(
         100.0, np.zeros((3, 3)), [0] * 3, said=["a", "b", ""], said_at=[99.0, 50.0, 0.0]
     )
-    assert speakers(view, 30.0) == [(0, "a")]
-    assert speakers(view, 60.0) == [(1, "b"), (0, "a")]
+    assert speakers(snapshot, 30.0) == [(0, "a")]
+    assert speakers(snapshot, 60.0) == [(1, "b"), (0, "a")]
 
 
 def test_small_robots_and_crowds_are_not_named() -> None:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from video_arenas import SQUARE, walled
 
-from sim.video import FrameView
+from sim.video import Snapshot
 from sim.video.recorder import Recorder
 from tests.patience import PATIENCE
 
@@ -83,10 +83,10 @@ def test_the_video_plays_in_chromium(
     with Recorder(folder / "run.mp4", walled(16, 21)) as recorder:
         recorder.add_robot("r1", SQUARE)
         for tick in range(31):
-            view = FrameView(
+            snapshot = Snapshot(
                 tick * 0.4, pose, [0x00FF00], scans=[(0, pose[0], 3.0, np.full(180, 5.0))]
             )
-            recorder.frame(view)
+            recorder.frame(snapshot)
     column, row = recorder.picture.projection.edges(np.array([7.7, 10.0])).astype(int)
     page = PAGE.replace("ROBOT_X", str(column)).replace("ROBOT_Y", str(row))
     (folder / "page.html").write_text(page)

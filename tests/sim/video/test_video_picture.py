@@ -1,4 +1,4 @@
-"""A frame shows what the view says, where the view says it."""
+"""A frame shows what the snapshot says, where the snapshot says it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from video_arenas import SQUARE, walled
 
-from sim.video import Backdrop, Drawing, FrameView, Scan, Sighting
+from sim.video import Backdrop, Drawing, Scan, Sighting, Snapshot
 from sim.video.axes import ticks
 from sim.video.bodies import heading_wedge, outline_of, reach_ahead
 from sim.video.errors import VideoError
@@ -27,11 +27,11 @@ def pixel(picture: Picture, image: np.ndarray, x: float, y: float) -> list[int]:
     return image[int(row), int(column)].tolist()
 
 
-def one_robot(backdrop: Backdrop, **view: object) -> tuple[Picture, np.ndarray]:
-    picture = Picture(backdrop, show=view.pop("show", SHOWN))  # type: ignore[arg-type]
+def one_robot(backdrop: Backdrop, **snapshot: object) -> tuple[Picture, np.ndarray]:
+    picture = Picture(backdrop, show=snapshot.pop("show", SHOWN))  # type: ignore[arg-type]
     picture.add_robot("r1", SQUARE)
-    values = {"time": 0.0, "poses": np.array([[4.0, 5.0, 0.0]]), "colors": [GREEN]} | view
-    return picture, picture.draw(FrameView(**values))
+    values = {"time": 0.0, "poses": np.array([[4.0, 5.0, 0.0]]), "colors": [GREEN]} | snapshot
+    return picture, picture.draw(Snapshot(**values))
 
 
 def bounds(backdrop: Backdrop, pose: list[float]) -> tuple[float, float, float, float]:
@@ -76,7 +76,7 @@ def test_a_robots_rim_and_arrow_have_its_identity_colour_whatever_its_body_has(
     picture = Picture(arena, (1280, 1680), show=frozenset())
     for robot in range(24):
         picture.add_robot(f"r{robot}", SQUARE)
-    image = picture.draw(FrameView(0.0, poses, bodies))
+    image = picture.draw(Snapshot(0.0, poses, bodies))
     for robot, (x, y, _) in enumerate(poses):
         assert pixel(picture, image, x + 0.15, y) == list(bgr(tint(robot)))
         assert pixel(picture, image, x - 0.3, y + 0.2) == list(bgr(soften(bodies[robot])))
@@ -123,7 +123,7 @@ def test_fans_of_many_robots_are_edges_and_of_more_are_none(
         picture = Picture(arena)
         for robot in range(robots):
             picture.add_robot(f"r{robot}", 0.3)
-        images.append(picture.draw(FrameView(0.0, poses, [GREEN] * robots, scans=scans)))
+        images.append(picture.draw(Snapshot(0.0, poses, [GREEN] * robots, scans=scans)))
     assert (pixel(picture, images[0], 6.3, 5.7) != pixel(picture, images[1], 6.3, 5.7)) == inside
     assert (images[0] != images[1]).any() == at_all
 
@@ -132,7 +132,7 @@ def test_fans_of_many_robots_are_edges_and_of_more_are_none(
 def test_a_layer_shows_only_where_it_is_asked_for(arena: Backdrop, layer: Layer) -> None:
     sighting = Sighting(0, (4, 5, 0), np.array([[-0.5, 0.5]]), np.array([0xFF0000]))
     views = [
-        FrameView(
+        Snapshot(
             step / 2,
             np.array([[3.0 + step, 5.0, 0.0]]),
             [GREEN],
@@ -146,7 +146,7 @@ def test_a_layer_shows_only_where_it_is_asked_for(arena: Backdrop, layer: Layer)
     for show in (frozenset(), frozenset({layer}), frozenset(LAYERS), frozenset(LAYERS) - {layer}):
         picture = Picture(arena, show=frozenset(show))
         picture.add_robot("r1", SQUARE)
-        images.append([picture.draw(view) for view in views][-1])
+        images.append([picture.draw(snapshot) for snapshot in views][-1])
     assert (images[0] != images[1]).any()
     assert (images[2] != images[3]).any()
 
@@ -157,8 +157,8 @@ def test_what_a_blobfinder_sees_stands_around_its_robot(arena: Backdrop) -> None
     )
     picture = Picture(arena, show=frozenset({"blobs"}))
     picture.add_robot("r1", 0.5)
-    view = FrameView(0.0, np.array([[4.0, 5.0, 0.0]]), [GREEN], sightings=[sighting])
-    image = picture.draw(view)
+    snapshot = Snapshot(0.0, np.array([[4.0, 5.0, 0.0]]), [GREEN], sightings=[sighting])
+    image = picture.draw(snapshot)
     column, row = picture.projection.edges(np.array([4.0, 5.0]))
     for color, bearing in ((0xFF0000, 0.0), (0x0000FF, 1.0)):
         rows, columns = np.nonzero((image == bgr(color)).all(axis=2))
@@ -173,7 +173,7 @@ def test_text_grows_with_the_picture(arena: Backdrop) -> None:
     heights = []
     for size in ((640, 840), (1280, 1680)):
         picture = Picture(arena, size)
-        image = picture.draw(FrameView(0.0, np.empty((0, 3)), []))
+        image = picture.draw(Snapshot(0.0, np.empty((0, 3)), []))
         strip = image[picture.projection.field_height + 2 :, : size[0] // 4]
         rows = np.flatnonzero((strip.astype(int).sum(axis=2) < 300).any(axis=1))
         heights.append(np.ptp(rows) + 1)
@@ -193,9 +193,9 @@ def test_axes_count_metres(arena: Backdrop) -> None:
         assert texts[0] == "0"
         assert texts[-1].endswith(" m")
         assert float(texts[-1].removesuffix(" m")) <= length
-    image = picture.draw(FrameView(0.0, np.empty((0, 3)), []))
+    image = picture.draw(Snapshot(0.0, np.empty((0, 3)), []))
     bare = Picture(arena, axes=True)
-    assert (image == bare.draw(FrameView(0.0, np.empty((0, 3)), []))).all()
+    assert (image == bare.draw(Snapshot(0.0, np.empty((0, 3)), []))).all()
     margin = image[: picture.projection.field_height, : int(picture.projection.left) - 12]
     assert (margin.min(axis=2) < 160).any()  # the numbers of the y axis
 
@@ -203,7 +203,7 @@ def test_axes_count_metres(arena: Backdrop) -> None:
 def test_a_circle_is_round(arena: Backdrop) -> None:
     picture = Picture(arena)
     picture.add_robot("r1", 2.0)
-    image = picture.draw(FrameView(0.0, np.array([[8.0, 10.0, 0.0]]), [GREEN]))
+    image = picture.draw(Snapshot(0.0, np.array([[8.0, 10.0, 0.0]]), [GREEN]))
     for angle in np.linspace(0, 2 * np.pi, 16, endpoint=False) + 0.3:
         direction = np.array([np.cos(angle), np.sin(angle)])
         inside, outside = [8, 10] + 1.85 * direction, [8, 10] + 2.1 * direction
@@ -259,12 +259,12 @@ def test_a_trail_stays_behind_a_robot_that_moves(arena: Backdrop) -> None:
     picture = Picture(arena)
     picture.add_robot("r1", SQUARE)
     for step in range(10):
-        image = picture.draw(FrameView(step / 10, np.array([[3.0 + step / 2, 5.27, 0]]), [GREEN]))
+        image = picture.draw(Snapshot(step / 10, np.array([[3.0 + step / 2, 5.27, 0]]), [GREEN]))
     column, row = picture.projection.edges(np.array([5.3, 5.27])).astype(int)
     assert (image[row - 1 : row + 2, column] != bgr(GROUND)).any()
-    far = picture.draw(FrameView(2.0, np.array([[3.0, 15.27, 0]]), [GREEN]))
+    far = picture.draw(Snapshot(2.0, np.array([[3.0, 15.27, 0]]), [GREEN]))
     for step in range(200):
-        far = picture.draw(FrameView(3 + step, np.array([[3.0, 15.27, 0]]), [GREEN]))
+        far = picture.draw(Snapshot(3 + step, np.array([[3.0, 15.27, 0]]), [GREEN]))
     assert (far[row - 1 : row + 2, column] == bgr(GROUND)).all()
 
 
@@ -272,14 +272,14 @@ def test_a_robot_that_comes_later_leaves_no_trail_from_nowhere(arena: Backdrop) 
     picture = Picture(arena)
     picture.add_robot("r1", 0.3)
     for step in range(5):
-        picture.draw(FrameView(step / 10, np.array([[3.3, 5.3, 0]]), [GREEN]))
+        picture.draw(Snapshot(step / 10, np.array([[3.3, 5.3, 0]]), [GREEN]))
     picture.add_robot("r2", 0.3)
     poses = np.array([[3.3, 5.3, 0], [12.3, 15.3, 0]])
-    image = picture.draw(FrameView(1.0, poses, [GREEN, GREEN]))
+    image = picture.draw(Snapshot(1.0, poses, [GREEN, GREEN]))
     again = Picture(arena)
     again.add_robot("r1", 0.3)
     again.add_robot("r2", 0.3)
-    assert (image == again.draw(FrameView(1.0, poses, [GREEN, GREEN]))).all()
+    assert (image == again.draw(Snapshot(1.0, poses, [GREEN, GREEN]))).all()
 
 
 def test_what_is_said_appears_over_the_robot_and_goes_away(arena: Backdrop) -> None:
@@ -289,9 +289,9 @@ def test_what_is_said_appears_over_the_robot_and_goes_away(arena: Backdrop) -> N
     poses = np.array([[8.0, 10.0, 0.0]])
 
     def differs(time: float, said: str, said_at: float) -> np.ndarray:
-        view = FrameView(time, poses, [GREEN], said=[said], said_at=[said_at])
-        image = picture.draw(view)
-        bare = silent.draw(FrameView(time, poses, [GREEN]))
+        snapshot = Snapshot(time, poses, [GREEN], said=[said], said_at=[said_at])
+        image = picture.draw(snapshot)
+        bare = silent.draw(Snapshot(time, poses, [GREEN]))
         return np.nonzero((image != bare).any(axis=2))[0]
 
     row = picture.projection.edges(poses[:, :2])[0, 1]
@@ -323,7 +323,7 @@ def test_names_are_written_below_their_robots(arena: Backdrop) -> None:
     for name in ("r1", "r2"):
         picture = Picture(arena)
         picture.add_robot(name, SQUARE)
-        images.append(picture.draw(FrameView(0.0, np.array([[8.0, 10.0, 0]]), [GREEN])))
+        images.append(picture.draw(Snapshot(0.0, np.array([[8.0, 10.0, 0]]), [GREEN])))
     rows, columns = np.nonzero((images[0] != images[1]).any(axis=2))
     column, row = picture.projection.edges(np.array([8.0, 9.5]))
     assert rows.min() > row
@@ -396,20 +396,22 @@ def test_the_status_line_shows_time_and_coverage(arena: Backdrop) -> None:
 def test_a_frame_covers_whatever_was_in_the_buffer(arena: Backdrop) -> None:
     picture = Picture(arena)
     picture.add_robot("r1", SQUARE)
-    view = FrameView(0.0, np.array([[4.0, 5.0, 0]]), [GREEN], scans=[(0, (4, 5, 0), 3, np.ones(9))])
-    clean = picture.draw(view)
+    snapshot = Snapshot(
+        0.0, np.array([[4.0, 5.0, 0]]), [GREEN], scans=[(0, (4, 5, 0), 3, np.ones(9))]
+    )
+    clean = picture.draw(snapshot)
     dirty = np.full_like(clean, 77)
-    assert (picture.draw(view, out=dirty) == clean).all()
+    assert (picture.draw(snapshot, out=dirty) == clean).all()
 
 
 @pytest.mark.parametrize("size", [(64, 64), (64, 4096), (4096, 64), (642, 840)])
 def test_every_size_can_be_drawn(arena: Backdrop, size: tuple[int, int]) -> None:
     picture = Picture(arena, size)
     picture.add_robot("a name that is longer than the frame", SQUARE)
-    view = FrameView(
+    snapshot = Snapshot(
         1e6, np.array([[4.0, 5.0, 0]]), [GREEN], 1.0, ["a sentence longer than the frame"]
     )
-    assert picture.draw(view).shape == (size[1], size[0], 3)
+    assert picture.draw(snapshot).shape == (size[1], size[0], 3)
 
 
 def test_a_thousand_robots_are_all_in_the_picture() -> None:
@@ -418,7 +420,7 @@ def test_a_thousand_robots_are_all_in_the_picture() -> None:
     for index in range(len(places)):
         picture.add_robot(f"r{index}", SQUARE)
     poses = np.column_stack([places, np.zeros(len(places))])
-    image = picture.draw(FrameView(0.0, poses, np.full(len(poses), GREEN)))
+    image = picture.draw(Snapshot(0.0, poses, np.full(len(poses), GREEN)))
     shown = [pixel(picture, image, x, y) == list(bgr(soften(GREEN))) for x, y in places]
     assert all(shown)
 
@@ -431,7 +433,7 @@ def test_a_map_of_thousands_of_blocks_is_drawn() -> None:
         if (x + y) % 2
     ]
     picture = Picture(Backdrop((60, 60), blocks))
-    image = picture.draw(FrameView(0.0, np.empty((0, 3)), []))
+    image = picture.draw(Snapshot(0.0, np.empty((0, 3)), []))
     assert pixel(picture, image, 1.5, 0.5) == list(bgr(soften(0x808080)))
     assert pixel(picture, image, 1.5, 1.5) != list(bgr(soften(0x808080)))
 
@@ -452,15 +454,15 @@ def test_the_reach_ahead_is_where_the_axis_leaves_the_body() -> None:
 def test_a_picture_is_saved_as_it_was_drawn(arena: Backdrop, tmp_path: Path) -> None:
     picture = Picture(arena)
     picture.add_robot("r1", SQUARE)
-    view = FrameView(0.0, np.array([[4.0, 5.0, 0]]), [GREEN])
-    path = save_picture(tmp_path / "one.png", picture, view)
-    assert (cv2.imread(str(path)) == picture.draw(view)).all()
+    snapshot = Snapshot(0.0, np.array([[4.0, 5.0, 0]]), [GREEN])
+    path = save_picture(tmp_path / "one.png", picture, snapshot)
+    assert (cv2.imread(str(path)) == picture.draw(snapshot)).all()
 
 
 def test_a_picture_that_cannot_be_saved_says_why(arena: Backdrop, tmp_path: Path) -> None:
     picture = Picture(arena)
-    view = FrameView(0.0, np.empty((0, 3)), [])
+    snapshot = Snapshot(0.0, np.empty((0, 3)), [])
     with pytest.raises(VideoError, match=r"must end in \.png"):
-        save_picture(tmp_path / "one.jpg", picture, view)
+        save_picture(tmp_path / "one.jpg", picture, snapshot)
     with pytest.raises(VideoError, match="No such file"):
-        save_picture(tmp_path / "nowhere" / "one.png", picture, view)
+        save_picture(tmp_path / "nowhere" / "one.png", picture, snapshot)

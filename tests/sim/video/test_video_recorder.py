@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from video_arenas import SQUARE, walled
 
-from sim.video import Backdrop, FrameView
+from sim.video import Backdrop, Snapshot
 from sim.video.errors import VideoError
 from sim.video.recorder import Recorder
 from sim.video.sink import Sink
@@ -30,14 +30,14 @@ def drive(time: float) -> np.ndarray:
 
 
 def film(path: Path, backdrop: Backdrop, seconds: float = 20.0, **options: object) -> Recorder:
-    """A video of that many simulated seconds, with a view every 0.1 s as in a run."""
+    """A video of that many simulated seconds, with a snapshot every 0.1 s as in a run."""
     with Recorder(path, backdrop, **({"size": SIZE} | options)) as recorder:  # type: ignore[arg-type]
         recorder.add_robot("r1", SQUARE)
         recorder.add_robot("r2", 0.5)
         for tick in range(round(seconds * 10) + 1):
             time = tick * 0.1
             if recorder.wants(time):
-                recorder.frame(FrameView(time, drive(time), [GREEN, BLUE], 0.25))
+                recorder.frame(Snapshot(time, drive(time), [GREEN, BLUE], 0.25))
     return recorder
 
 
@@ -101,7 +101,7 @@ def test_robots_are_where_they_should_be_in_every_frame(arena: Backdrop, tmp_pat
 
 def test_colours_survive_the_encoding(arena: Backdrop, tmp_path: Path) -> None:
     recorder = film(tmp_path / "run.mp4", arena, 0.0, size=None)
-    drawn = recorder.picture.draw(FrameView(0.0, drive(0.0), [GREEN, BLUE], 0.25))
+    drawn = recorder.picture.draw(Snapshot(0.0, drive(0.0), [GREEN, BLUE], 0.25))
     shown = next(decoded(tmp_path / "run.mp4"))
     # Compression and halved colour resolution smear edges; inside of an area the colour stays
     # within 8 of 255, which is what limited range (219 steps) and quantisation leave.
@@ -130,13 +130,13 @@ def test_slow_motion_repeats_frames_so_that_time_stays_true(
 
 def test_frames_are_wanted_when_due_and_only_then(arena: Backdrop, tmp_path: Path) -> None:
     with Recorder(tmp_path / "run.mp4", arena, fps=10, speed=5, size=SIZE) as recorder:
-        view = FrameView(0.0, np.empty((0, 3)), [])
+        snapshot = Snapshot(0.0, np.empty((0, 3)), [])
         due = []
         for tick in range(21):
-            view.time = tick * 0.1
-            if recorder.wants(view.time):
+            snapshot.time = tick * 0.1
+            if recorder.wants(snapshot.time):
                 due.append(tick)
-            recorder.frame(view)
+            recorder.frame(snapshot)
     assert due == [0, 5, 10, 15, 20]
     assert recorder.frames == 5
 
@@ -145,9 +145,9 @@ def test_the_last_frame_shows_how_the_run_ended(arena: Backdrop, tmp_path: Path)
     with Recorder(tmp_path / "run.mp4", arena, size=SIZE) as recorder:
         recorder.add_robot("r1", SQUARE)
         recorder.add_robot("r2", 0.5)
-        recorder.frame(FrameView(0.0, drive(0.0), [GREEN, BLUE]))
+        recorder.frame(Snapshot(0.0, drive(0.0), [GREEN, BLUE]))
         for _ in range(2):
-            recorder.frame(FrameView(0.3, drive(5.0), [GREEN, BLUE]), last=True)
+            recorder.frame(Snapshot(0.3, drive(5.0), [GREEN, BLUE]), last=True)
     images = list(decoded(tmp_path / "run.mp4"))
     assert len(images) == 2
     assert place_of(recorder, images[1], 1)[0] == pytest.approx(4.5, abs=0.12)
@@ -169,7 +169,7 @@ def test_a_run_that_fails_leaves_a_video_up_to_there(arena: Backdrop, tmp_path: 
     def run() -> None:
         with recorder:
             for tick in range(30):
-                recorder.frame(FrameView(tick * 0.4, np.empty((0, 3)), []))
+                recorder.frame(Snapshot(tick * 0.4, np.empty((0, 3)), []))
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -180,12 +180,12 @@ def test_a_run_that_fails_leaves_a_video_up_to_there(arena: Backdrop, tmp_path: 
 KILLED = """
 import sys
 import numpy as np
-from sim.video import Backdrop, FrameView
+from sim.video import Backdrop, Snapshot
 from sim.video.recorder import Recorder
 
 recorder = Recorder(sys.argv[1], Backdrop((16, 21)), size=(160, 210))
 for tick in range(300):
-    recorder.frame(FrameView(tick * 0.4, np.empty((0, 3)), []))
+    recorder.frame(Snapshot(tick * 0.4, np.empty((0, 3)), []))
 print("drawn", flush=True)
 sys.stdin.read()
 """
@@ -306,8 +306,8 @@ def test_an_interrupted_run_does_not_wait_for_the_frames_of_a_slow_film(
         return asked < 3
 
     with Recorder(tmp_path / "run.mp4", arena, fps=240, speed=0.01, size=SIZE) as recorder:
-        view = FrameView(10.0, np.empty((0, 3)), [])
-        recorder.frame(view, going_on=going_on)  # 240,001 frames are due
+        snapshot = Snapshot(10.0, np.empty((0, 3)), [])
+        recorder.frame(snapshot, going_on=going_on)  # 240,001 frames are due
     assert recorder.frames == 3 * REPEATS
     assert sum(1 for _ in decoded(tmp_path / "run.mp4")) == 3 * REPEATS
 
@@ -422,7 +422,7 @@ def test_a_run_without_video_loads_neither_opencv_nor_the_encoder() -> None:
 def test_robots_may_enter_while_the_video_runs(tmp_path: Path) -> None:
     with Recorder(tmp_path / "run.mp4", walled(16, 21), size=SIZE) as recorder:
         for count in range(5):
-            recorder.frame(FrameView(count * 0.4, np.full((count, 3), 5.0), [GREEN] * count))
+            recorder.frame(Snapshot(count * 0.4, np.full((count, 3), 5.0), [GREEN] * count))
             recorder.add_robot(f"r{count}", 0.4)
     assert sum(1 for _ in decoded(tmp_path / "run.mp4")) == 5
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from sim.video.snapshot import Snapshot
 from sim.video.status import GAP, MARGIN, StatusLine, status_entries
 from sim.video.text import Lettering
-from sim.video.view import FrameView
 
 PLAIN = Lettering()
 
@@ -17,15 +17,15 @@ def line(film_speed: float | None = None) -> StatusLine:
     return StatusLine((840, 26), "", 40.0, PLAIN, film_speed)
 
 
-def view(time: float) -> FrameView:
-    return FrameView(time=time, poses=np.empty((0, 3)), colors=())
+def snapshot(time: float) -> Snapshot:
+    return Snapshot(time=time, poses=np.empty((0, 3)), colors=())
 
 
 def drawn(time: float) -> NDArray[np.uint8]:
     """The status line (rows, width, 3) of a world without a title."""
     strip = np.zeros((26, 840, 3), np.uint8)
     line(10.0).draw_still(strip)
-    line(10.0).draw(strip, view(time), 3)
+    line(10.0).draw(strip, snapshot(time), 3)
     return strip
 
 
@@ -39,7 +39,7 @@ def test_the_time_does_not_run_into_what_stands_beside_it(time: float) -> None:
 
 
 def test_a_film_tells_its_own_speed_and_a_picture_tells_none() -> None:
-    assert [text for text, _ in status_entries(view(3.0), 2, 2.5)] == [
+    assert [text for text, _ in status_entries(snapshot(3.0), 2, 2.5)] == [
         "3.0 s", "film: 2.5 x", "2 robots",
     ]  # fmt: skip
-    assert [text for text, _ in status_entries(view(3.0), 1)] == ["3.0 s", "1 robot"]
+    assert [text for text, _ in status_entries(snapshot(3.0), 1)] == ["3.0 s", "1 robot"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from video_arenas import SQUARE
 
-from sim.video import Backdrop, Drawing, FrameView, Scan, Sighting
+from sim.video import Backdrop, Drawing, Scan, Sighting, Snapshot
 from sim.video.errors import VideoError
 from sim.video.layers import LAYERS
 from sim.video.paint import rectangles_of
@@ -27,13 +27,13 @@ def painted() -> np.ndarray:
     return cells
 
 
-def full(arena: Backdrop) -> tuple[Picture, FrameView]:
-    """A picture and a view with something of everything."""
+def full(arena: Backdrop) -> tuple[Picture, Snapshot]:
+    """A picture and a snapshot with something of everything."""
     picture = Picture(arena, axes=True, show=frozenset(LAYERS))
     picture.add_robot("r<1>", SQUARE)
     picture.add_robot("r2", 0.4)
     picture.composer.mark(0.0, np.array([[3.0, 5.0, 0.0], [9.0, 9.0, 0.0]]))
-    view = FrameView(
+    snapshot = Snapshot(
         12.5,
         np.array([[4.0, 5.0, 0.5], [9.0, 9.0, 2.0]]),
         [0x00FF00, 0x123456],
@@ -53,7 +53,7 @@ def full(arena: Backdrop) -> tuple[Picture, FrameView]:
             Drawing("polygon", np.array([[2.0, 10], [4, 10], [4, 12]]), 0x405060, True, 0x506070),
         ],
     )
-    return picture, view
+    return picture, snapshot
 
 
 def corners(data: str) -> np.ndarray:
@@ -61,8 +61,8 @@ def corners(data: str) -> np.ndarray:
 
 
 def test_the_document_is_sound_and_says_what_the_frame_says(arena: Backdrop) -> None:
-    picture, view = full(arena)
-    document = ET.fromstring(picture.svg(view))
+    picture, snapshot = full(arena)
+    document = ET.fromstring(picture.svg(snapshot))
     assert document.get("viewBox") == "0 0 640 840"
     texts = [element.text for element in document.iter(f"{SVG}text")]
     for words in ("12.5 s", "painted 25.0 %", "2 robots", "r<1>", "r2", "5 > 3 & 2", "16 m"):
@@ -70,8 +70,8 @@ def test_the_document_is_sound_and_says_what_the_frame_says(arena: Backdrop) -> 
 
 
 def test_bodies_stand_where_their_poses_say(arena: Backdrop) -> None:
-    picture, view = full(arena)
-    document = ET.fromstring(picture.svg(view))
+    picture, snapshot = full(arena)
+    document = ET.fromstring(picture.svg(snapshot))
     found = [
         corners(element.get("d", ""))
         for element in document.iter(f"{SVG}path")
@@ -83,8 +83,8 @@ def test_bodies_stand_where_their_poses_say(arena: Backdrop) -> None:
 
 
 def test_all_that_is_drawn_is_in_the_document(arena: Backdrop) -> None:
-    picture, view = full(arena)
-    text = picture.svg(view)
+    picture, snapshot = full(arena)
+    text = picture.svg(snapshot)
     for color in ("#102030", "#203040", "#304050", "#405060", "#506070", "#ff0000", "#e9e7e1"):
         assert (color in text) == (color != "#e9e7e1"), color
 
@@ -113,10 +113,10 @@ def test_random_paint_is_covered_too() -> None:
 
 
 def test_a_picture_is_written_by_the_ending_of_its_name(arena: Backdrop, tmp_path: Path) -> None:
-    picture, view = full(arena)
-    save_picture(tmp_path / "a.svg", picture, view)
-    save_picture(tmp_path / "a.PNG", picture, view)
+    picture, snapshot = full(arena)
+    save_picture(tmp_path / "a.svg", picture, snapshot)
+    save_picture(tmp_path / "a.PNG", picture, snapshot)
     assert (tmp_path / "a.svg").read_text().startswith("<svg ")
     assert (tmp_path / "a.PNG").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(VideoError, match=r"\.png or \.svg"):
-        save_picture(tmp_path / "a.gif", picture, view)
+        save_picture(tmp_path / "a.gif", picture, snapshot)

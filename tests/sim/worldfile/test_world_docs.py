@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 import yaml
 
-from sim.worldfile import WorldError, load
+from sim.build import load
+from sim.worldfile import WorldError
 from sim.worldfile.json_schema import json_schema
 
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "worlds.md"

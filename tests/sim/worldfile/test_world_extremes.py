@@ -9,7 +9,7 @@ import pytest
 from world_texts import HEAD, mistakes_in, mistakes_of
 
 import troupe
-from sim.stage import clearance
+from sim.stage import distance_field
 from sim.stage.geometry import Floats
 from troupe.running import parse_listen
 from troupe.usage import UsageError
@@ -77,8 +77,8 @@ def test_an_outline_marks_the_same_cells_however_far_it_goes_on() -> None:
     """A wall of 10 m along the x axis, and the same wall up to 10^9 m away."""
     short, long = np.full((2, 40, 40), 255, np.uint8)
     wall: Floats = np.array([[0.0, 5.0], [10.0, 5.0], [10.0, 5.5], [0.0, 5.5]])
-    clearance._mark(short, 0.25, wall)
-    clearance._mark(long, 0.25, np.where(wall == 10.0, 1e9, wall) - [[3e8, 0]])
+    distance_field._mark(short, 0.25, wall)
+    distance_field._mark(long, 0.25, np.where(wall == 10.0, 1e9, wall) - [[3e8, 0]])
     assert short[20].max() == 0
     assert short[22].max() == 0
     assert long[20].max() == 0

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from world_texts import HEAD, mistakes_of
 
-from sim.worldfile import load
+from sim.build import load
 
 
 def write(folder: Path, **texts: str) -> Path:

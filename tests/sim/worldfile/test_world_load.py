@@ -12,7 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from world_texts import HEAD
 
-from sim.worldfile import Mistake, World, WorldError, load
+from sim.build import load
+from sim.worldfile import Mistake, World, WorldError
 
 EVERYTHING = """\
 name: Paint, case I

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from world_texts import HEAD
 
-from sim.worldfile import WorldError, load
+from sim.build import load
+from sim.worldfile import WorldError
 from sim.worldfile.mistakes import Mistake
 
 MANY = 20_000

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.worldfile import WorldError, load
+from sim.build import load
+from sim.worldfile import WorldError
 
 WORLD = """\
 size: [40, 10]

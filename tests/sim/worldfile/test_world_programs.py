@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from world_texts import mistakes_in
 
-from sim.worldfile import WorldError, load
+from sim.build import load
+from sim.worldfile import WorldError
 from sim.worldfile.programs import find_program, is_file_name, programs
 
 WORLD = "size: [9, 9]\nmodels: {a: {body: {shape: circle, radius: 1}}}\n"

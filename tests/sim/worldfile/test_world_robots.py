@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from world_texts import HEAD, mistakes_in
 
-from sim.worldfile import LoadedWorld, load
+from sim.build import LoadedWorld, load
 
 
 def loaded(tmp_path: Path, text: str) -> LoadedWorld:

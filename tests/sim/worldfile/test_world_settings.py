@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from world_texts import HEAD
 
-from sim.worldfile import World, WorldError, load
+from sim.build import load
+from sim.worldfile import World, WorldError
 
 WORLD = HEAD + "robots:\n  - {model: rover, pose: [5, 4, 0]}\n  - {model: rover, pose: [2, 4, 0]}\n"
 

@@ -10,12 +10,12 @@ import pytest
 from watching import Viewer, watched
 
 import troupe
+from sim.build import load
 from sim.engine import Settings
 from sim.fleet.patience import Patience
 from sim.result import Touch
 from sim.run import run_world
 from sim.view.frames import STATUS
-from sim.worldfile import load
 from tests.patience import PATIENCE
 from troupe.live.asks import Malformed, parse_ask
 from troupe.live.watch import Repeat

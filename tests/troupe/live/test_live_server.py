@@ -8,15 +8,16 @@ import socket
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from watching import Viewer, watched
+from watching import STILL, Viewer, Watched, watched
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import troupe
-from sim.view.frames import STATUS
+from sim.view.frames import MOMENT, STATUS
 from tests.patience import PATIENCE
 from troupe.live.entrance import answer, known_host
 from troupe.view_option import told_apart
@@ -31,28 +32,42 @@ def get(address: str, path: str | None = None, **headers: str) -> http.client.HT
     return connection.getresponse()
 
 
-def test_the_page_is_served_below_its_token_and_nowhere_else(still: Path) -> None:
-    with watched(still, paused=True) as run:
-        page = get(run.address)
-        assert page.status == 200
-        assert b"<canvas" in page.read()
-        assert "script-src 'self'" in (page.headers["Content-Security-Policy"] or "")
-        assert get(run.address, urlsplit(run.address).path + "main.js").status == 200
-        for path in ("/", "/wrong/", "/main.js", urlsplit(run.address).path + "../../etc/passwd"):
-            assert get(run.address, path).status == 404
+@pytest.fixture(scope="module")
+def paused(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watched]:
+    """A run that stands, for all that try to get in."""
+    world = tmp_path_factory.mktemp("paused") / "still.yaml"
+    world.write_text(STILL)
+    with watched(world, paused=True) as run:
+        yield run
 
 
-def test_no_page_of_another_site_gets_in(still: Path) -> None:
-    with watched(still, paused=True) as run:
-        assert get(run.address, Host="evil.example").status == 421
-        assert get(run.address, Host="localhost:9999").status == 200  # as with ssh -L
-        for origin in ("http://evil.example", "null", "http://127.0.0.1:1"):
-            with pytest.raises(InvalidStatus):
-                Viewer(run.address, Origin=origin)
-        own = f"http://{urlsplit(run.address).netloc}"
-        assert Viewer(run.address, Origin=own).message().kind == 1
+def steps(viewer: Viewer) -> bool:
+    """Whether a viewer is still heard: the run makes a step for it."""
+    before = viewer.until(lambda m: m.kind == MOMENT).tick
+    viewer.ask(do="step")
+    return viewer.until(lambda m: m.tick == before + 1).tick == before + 1
+
+
+def test_the_page_is_served_below_its_token_and_nowhere_else(paused: Watched) -> None:
+    page = get(paused.address)
+    assert page.status == 200
+    assert b"<canvas" in page.read()
+    assert "script-src 'self'" in (page.headers["Content-Security-Policy"] or "")
+    assert get(paused.address, urlsplit(paused.address).path + "main.js").status == 200
+    for path in ("/", "/wrong/", "/main.js", urlsplit(paused.address).path + "../../etc/passwd"):
+        assert get(paused.address, path).status == 404
+
+
+def test_no_page_of_another_site_gets_in(paused: Watched) -> None:
+    assert get(paused.address, Host="evil.example").status == 421
+    assert get(paused.address, Host="localhost:9999").status == 200  # as with ssh -L
+    for origin in ("http://evil.example", "null", "http://127.0.0.1:1"):
         with pytest.raises(InvalidStatus):
-            Viewer(run.address.rstrip("/") + "x/")
+            Viewer(paused.address, Origin=origin)
+    own = f"http://{urlsplit(paused.address).netloc}"
+    assert Viewer(paused.address, Origin=own).message().kind == 1
+    with pytest.raises(InvalidStatus):
+        Viewer(paused.address.rstrip("/") + "x/")
 
 
 @pytest.mark.parametrize(
@@ -70,36 +85,30 @@ def test_only_hosts_that_are_this_machine_are_known(host: str, bound: str, known
     assert (found is not None and found.status == 200) is known
 
 
-def test_who_floods_is_cut_off_alone(still: Path) -> None:
-    with watched(still, paused=True) as run:
-        other, flood = Viewer(run.address), Viewer(run.address)
-        with pytest.raises(ConnectionClosed):
-            flood.flood()
-        other.ask(do="step")
-        assert other.until(lambda m: m.tick == 1)
+def test_who_floods_is_cut_off_alone(paused: Watched) -> None:
+    other, flood = Viewer(paused.address), Viewer(paused.address)
+    with pytest.raises(ConnectionClosed):
+        flood.flood()
+    assert steps(other)
 
 
 @pytest.mark.parametrize(
     "data", ["nonsense", b"\0\1\2", "x" * 100_000, '{"do": "fly"}', "[" * 4000]
 )
-def test_who_sends_garbage_is_cut_off_alone(still: Path, data: str | bytes) -> None:
-    with watched(still, paused=True) as run:
-        other, garbler = Viewer(run.address), Viewer(run.address)
-        garbler.socket.send(data)
-        with pytest.raises(ConnectionClosed):
-            garbler.until(lambda m: False)
-        other.ask(do="step")
-        assert other.until(lambda m: m.tick == 1)
+def test_who_sends_garbage_is_cut_off_alone(paused: Watched, data: str | bytes) -> None:
+    other, garbler = Viewer(paused.address), Viewer(paused.address)
+    garbler.socket.send(data)
+    with pytest.raises(ConnectionClosed):
+        garbler.until(lambda m: False)
+    assert steps(other)
 
 
-def test_bytes_that_are_no_http_hold_nobody_up(still: Path) -> None:
-    with watched(still, paused=True) as run:
-        parts = urlsplit(run.address)
-        with socket.create_connection((parts.hostname, parts.port)) as raw:
-            raw.sendall(b"\xff" * 10_000)
-            viewer = Viewer(run.address)
-            viewer.ask(do="step")
-            assert viewer.until(lambda m: m.tick == 1)
+def test_bytes_that_are_no_http_hold_nobody_up(paused: Watched) -> None:
+    parts = urlsplit(paused.address)
+    with socket.create_connection((parts.hostname, parts.port)) as raw:
+        raw.sendall(b"\xff" * 10_000)
+        viewer = Viewer(paused.address)
+        assert steps(viewer)
 
 
 def test_who_may_only_watch_reaches_nothing(still: Path) -> None:

@@ -16,7 +16,7 @@ from sim.interrupts import Interrupts
 from sim.result import Result
 from sim.view.frames import Message, decode
 from tests.patience import PATIENCE
-from troupe.live.opening import View
+from troupe.live.opening import LiveView
 from troupe.running import Run, run_file
 
 STILL = """\
@@ -51,7 +51,7 @@ class Watched:
 
     def __init__(self, world: str | Path, **options: Any) -> None:
         self.lines: list[str] = []
-        self.view: View | None = None
+        self.view: LiveView | None = None
         self.done: Run | BaseException | None = None
         self.there = threading.Event()
         self.interrupts = Interrupts()
@@ -59,8 +59,8 @@ class Watched:
         stays = options.pop("stays", False)
         read_only = options.pop("read_only", False)
 
-        def window(again: bool) -> View:
-            view = View(
+        def window(again: bool) -> LiveView:
+            view = LiveView(
                 browser=False, paused=paused, stays=stays, read_only=read_only, again=again,
                 say=self.lines.append, warn=self.lines.append,
             )  # fmt: skip
@@ -114,12 +114,17 @@ class Watched:
 
 @contextlib.contextmanager
 def watched(world: str | Path, **options: Any) -> Iterator[Watched]:
-    """A watched run, which has ended when this is left."""
+    """A watched run, which has ended when this is left, and nobody looks on any more."""
     run = Watched(world, **options)
     try:
         yield run
     finally:
+        while _viewers:
+            _viewers.pop().close()  # or the run's end would wait for them to take their last words
         run.stop()
+
+
+_viewers: list[Viewer] = []
 
 
 class Viewer:
@@ -134,6 +139,7 @@ class Viewer:
             additional_headers=headers,
         )
         self.socket: ClientConnection = opening.__enter__()
+        _viewers.append(self)
 
     def ask(self, **what: Any) -> None:
         self.socket.send(json.dumps(what))

@@ -26,7 +26,14 @@ WORLD = {
     "map": {"file": "cells.txt", "cell": 2.0},
     "obstacles": [
         {"shape": "box", "size": [0.5, 0.5], "pose": [5.5, 3, 30]},
-        {"shape": "circle", "radius": 0.2, "pose": [3.6, 3, 0], "movable": True, "mass": 1},
+        {
+            "shape": "circle",
+            "radius": 0.2,
+            "pose": [3.6, 3, 0],
+            "movable": True,
+            "mass": 1,
+            "name": "puck",
+        },
     ],
     "robots": [{"name": "cart", "model": "cart", "pose": [1, 3, 0]}],
     "doors": [{"name": "door", "at": "S", "model": "rover", "heading": 0, "period": 0.5}],
@@ -64,11 +71,13 @@ def test_a_run_and_its_log_are_the_same_evidence(both: tuple[Evidence, troupe.Lo
     assert contacts(watched) == contacts(kept)
 
 
-def test_what_stands_is_known_by_its_place_in_the_file(both: tuple[Evidence, troupe.Log]) -> None:
+def test_what_stands_is_known_by_its_name_or_its_place_in_the_file(
+    both: tuple[Evidence, troupe.Log],
+) -> None:
     around = both[0].around
     assert [thing.name for thing in around.standing] == ["obstacle 0", "map"]
-    assert [name for name, _ in around.movables] == ["obstacle 1"]
-    pushed = [one for one in contacts(both[0], deeper_than=1e-6) if one.other == "obstacle 1"]
+    assert [name for name, _ in around.movables] == ["puck"]
+    pushed = [one for one in contacts(both[0], deeper_than=1e-6) if one.other == "puck"]
     assert pushed or clearances(both[0])[:, 0].min() < 0.01  # pressed against, and no deeper
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import troupe
 from player import PlayerClient, Position2dProxy
+from tests.patience import PATIENCE
 from troupe.testing import Lockstep, RawClient
 from troupe.testing.wire import PULL
 
@@ -28,7 +29,10 @@ def straight(client: PlayerClient, rounds: int) -> None:
 
 
 def test_the_run_waits_for_its_client_and_may_be_looked_at_meanwhile() -> None:
-    with Lockstep(WORLD) as run, PlayerClient("127.0.0.1", run.port("rover")) as client:
+    with (
+        Lockstep(WORLD) as run,
+        PlayerClient("127.0.0.1", run.port("rover"), timeout=PATIENCE) as client,
+    ):
         straight(client, 20)
         x, y, yaw = run.pose("rover")
         assert 2.5 < x < 3.0
@@ -41,7 +45,7 @@ def test_the_run_waits_for_its_client_and_may_be_looked_at_meanwhile() -> None:
 
 def test_a_served_run_has_the_digest_of_one_that_is_driven_from_python() -> None:
     with Lockstep(WORLD, duration=2.0) as run:
-        with PlayerClient(environ=run.environment("rover")) as client:
+        with PlayerClient(environ=run.environment("rover"), timeout=PATIENCE) as client:
             base = Position2dProxy(client)
             while client.read():
                 base.set_speed(0.5, 0.3)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from troupe.importers.stage.geometry import Polygon, hull
+from troupe.importers.stage.polygons import Polygon, hull
 from troupe.importers.stage.tokens import Place, StageError
 from troupe.importers.stage.values import Pose
 

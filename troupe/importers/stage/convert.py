@@ -17,8 +17,8 @@ from troupe.importers.stage.names import robot_names
 from troupe.importers.stage.notes import Note, Notes
 from troupe.importers.stage.ports import check_addresses, in_order_of_ports, ports_of
 from troupe.importers.stage.robots import Robot, landmark_of, robot_of
-from troupe.importers.stage.scenery import Scenery, Standing, scenery_of, standing
 from troupe.importers.stage.sensing import SENSORS
+from troupe.importers.stage.surroundings import Standing, Surroundings, standing, surroundings_of
 from troupe.importers.stage.syntax import Entity, read_file
 from troupe.importers.stage.text import Block, Line, Node, dump
 from troupe.importers.stage.things import TYPES, Thing, things_in
@@ -89,10 +89,10 @@ def convert(world: str, cfg: str | None, output: Path) -> Converted:
     if table is not None:
         robots = in_order_of_ports(robots, table)
         check_addresses(table, robots, ports_of(table), notes)
-    scenery = scenery_of(still, [robot.thing for robot in robots], notes)
-    block = _world(source, scenery, robots, table)
+    surroundings = surroundings_of(still, [robot.thing for robot in robots], notes)
+    block = _world(source, surroundings, robots, table)
     note_leftovers([root], notes)
-    text = _heading(source, cfg, scenery) + dump(block) + "\n"
+    text = _heading(source, cfg, surroundings) + dump(block) + "\n"
     listed = notes.listed()
     return Converted(text, source.images, listed)
 
@@ -113,7 +113,7 @@ def _is_landmark(thing: Thing) -> bool:
 
 
 def _note_lone(thing: Thing, notes: Notes) -> None:
-    """A thing that is neither robot nor scenery."""
+    """A thing that is neither robot nor surroundings."""
     entity = thing.entity
     entity.used |= set(entity.properties)
     what = f"{entity.word} {thing.name}"
@@ -123,9 +123,9 @@ def _note_lone(thing: Thing, notes: Notes) -> None:
         notes.lost(entity.place, f"{what}: there is no {entity.type} here")
 
 
-def _heading(source: _Source, cfg: str | None, scenery: Scenery) -> str:
+def _heading(source: _Source, cfg: str | None, surroundings: Surroundings) -> str:
     files = os.path.basename(source.world) + (f" and {os.path.basename(cfg)}" if cfg else "")
-    x, y = (values_text(-corner) for corner in scenery.corner)
+    x, y = (values_text(-corner) for corner in surroundings.corner)
     return (
         f"# Imported from {files}, files of Stage and Player.\n"
         f"# Stage's origin is at [{x}, {y}] here: positions count from the lower left corner.\n\n"
@@ -138,16 +138,16 @@ def values_text(number: float) -> str:
 
 
 def _world(
-    source: _Source, scenery: Scenery, robots: Sequence[Robot], table: Table | None
+    source: _Source, surroundings: Surroundings, robots: Sequence[Robot], table: Table | None
 ) -> Block:
     """The whole file as blocks of lines."""
     root, notes = source.root, source.notes
     block: dict[str, Node] = {}
     if "name" in root.properties:
         block["name"] = Line(values.text(root, "name", ""), _from(source, root, "name"))
-    frame = scenery.frame
+    frame = surroundings.frame
     around = source.short(frame.thing.entity.place) if frame else "room around all that there is"
-    block["size"] = Line(list(scenery.size), around)
+    block["size"] = Line(list(surroundings.size), around)
     quit_time = values.number(root, "quit_time", 0.0)
     if quit_time > 0:
         block["duration"] = Line(quit_time, _from(source, root, "quit_time"))
@@ -164,11 +164,13 @@ def _world(
     if frame is not None and frame.has_boundary:
         wall = {"color": frame.color, "height": frame.height}
         block["boundary"] = Line(wall, source.short(frame.thing.entity.place))
-    if scenery.plans:
-        block["map"] = _map(source, scenery)
-    if scenery.obstacles:
+    if surroundings.plans:
+        block["map"] = _map(source, surroundings)
+    if surroundings.obstacles:
         block[" obstacles"] = Line(None)
-        block["obstacles"] = [Line(data, source.short(place)) for data, place in scenery.obstacles]
+        block["obstacles"] = [
+            Line(data, source.short(place)) for data, place in surroundings.obstacles
+        ]
     if robots:
         names = iter(robot_names([robot.thing for robot in robots], notes))
         models, model_of = _models(source, robots, table)
@@ -180,7 +182,7 @@ def _world(
                 {
                     "name": next(names),
                     "model": model_of[robot.key],
-                    "pose": scenery.place(robot.thing.pose),
+                    "pose": surroundings.place(robot.thing.pose),
                     "controller": CLIENT
                     if table is not None and robot.thing.name in table.robots
                     else None,
@@ -239,19 +241,19 @@ def _models(
     return models, model_of
 
 
-def _map(source: _Source, scenery: Scenery) -> Line:
+def _map(source: _Source, surroundings: Surroundings) -> Line:
     """The floorplans as one image: Stage's own where it can be used as it is."""
     notes = source.notes
-    largest = max(scenery.plans, key=lambda one: one.plan.size[0] * one.plan.size[1])  # type: ignore[union-attr]
-    plans = [one.plan for one in scenery.plans if one.plan is not None]
-    for one in scenery.plans:
+    largest = max(surroundings.plans, key=lambda one: one.plan.size[0] * one.plan.size[1])  # type: ignore[union-attr]
+    plans = [one.plan for one in surroundings.plans if one.plan is not None]
+    for one in surroundings.plans:
         if parse_color(one.color) != parse_color(largest.color):
             notes.differs(
                 one.thing.entity.place, f"the walls of a map have one colour: {largest.color}"
             )
     place = largest.thing.entity.properties["bitmap"].place
     plan = plans[0]
-    drawn = draw(plans, scenery.corner, scenery.size)
+    drawn = draw(plans, surroundings.corner, surroundings.size)
     if plan.whole and drawn.walls is plan.walls:
         file = os.path.relpath(plan.path, source.output.parent)
     else:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from troupe.importers.stage import values
-from troupe.importers.stage.geometry import Polygon, bounds, cleaned, convex_pieces, hull
 from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.polygons import Polygon, bounds, cleaned, convex_pieces, hull
 from troupe.importers.stage.syntax import Entity
 from troupe.importers.stage.things import Thing
 from troupe.importers.stage.tokens import StageError

@@ -10,10 +10,11 @@ from typing import Any
 from troupe.importers.stage import values
 from troupe.importers.stage.bitmap import outline, read_plan
 from troupe.importers.stage.footprint import footprint
-from troupe.importers.stage.geometry import Polygon, area
 from troupe.importers.stage.notes import Notes
+from troupe.importers.stage.polygons import Polygon, area
 from troupe.importers.stage.sensing import SENSORS, Sensor, sensors_of
 from troupe.importers.stage.syntax import Entity
+from troupe.importers.stage.text import flow
 from troupe.importers.stage.things import Thing
 from troupe.importers.stage.tokens import Place, StageError
 from troupe.importers.stage.values import Units
@@ -37,8 +38,8 @@ class Robot:
 
     @property
     def key(self) -> str:
-        """Equal for robots that can share a model."""
-        return repr((self.stem, self.body, self.drive, self.rest, [s.data for s in self.sensors]))
+        """Equal for robots that can share a model: those whose models are written alike."""
+        return flow((self.stem, self.body, self.drive, self.rest, [s.data for s in self.sensors]))
 
 
 def robot_of(

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
-from sim.worldfile import LoadedWorld, load
+from sim.build import LoadedWorld, load
 from troupe.commands.import_ import write
 from troupe.importers.stage import Note, convert
 

@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from sim.worldfile import load
+from sim.build import load
 from troupe.commands.import_ import import_
 
 DATA = Path(__file__).parent / "data"

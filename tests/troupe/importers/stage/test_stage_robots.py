@@ -86,6 +86,12 @@ def test_robots_that_differ_in_nothing_share_a_model(world) -> None:
     assert [robot["model"] for robot in got.data["robots"]] == ["a", "a", "a_2"]
 
 
+def test_robots_that_are_written_alike_share_a_model_wherever_they_stand(world) -> None:
+    robots = "".join(f"a ( pose [{x} {y} 0 30] )\n" for x, y in [(-4.5, 0), (-2, 2), (3.1, -3.7)])
+    got = world(FLOOR + "define a position ( blobfinder ( pose [0.2 0 0 0] ) )\n" + robots)
+    assert list(got.data["models"]) == ["a"]
+
+
 def test_names_that_we_cannot_have_are_changed_and_noted(world) -> None:
     got = world("hall.world")
     assert [robot["name"] for robot in got.data["robots"]] == ["cart_1", "cart_1_2", "north"]

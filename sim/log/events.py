@@ -1,0 +1,242 @@
+"""The events that a log has beside its ticks: what is new in a run since one last looked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.log.frames import ros_name
+from sim.log.moment import Event
+from sim.log.scene import body_event
+
+if TYPE_CHECKING:
+    from sim.build import LoadedWorld
+    from sim.engine import Engine
+    from sim.result import RobotRecord
+    from sim.robot import Robot
+
+LEVELS = {"info": 20}
+LOOK = 16
+"""Ticks after which one looks for news even where no client is connected."""
+
+
+class News:
+    """Knows what a log has been told of a run's robots, and finds what is new.
+
+    names: the robots', as ROS takes them. records: theirs in the result. colors: bytes of (n,)
+    uint32.
+    """
+
+    def __init__(self, loaded: LoadedWorld) -> None:
+        self.loaded = loaded
+        self.time = 0.0  # simulated seconds, when one last looked
+        self.names: list[str] = []
+        self.records: list[RobotRecord] = []
+        self.colors = b""
+        self._lines: list[tuple[float, str]] = []  # for people, not yet in the log
+        self._said: list[list[tuple[float, str]]] = []
+        self._said_so_far = 0
+        self._said_each: list[int] = []
+        self._properties: list[dict[str, Any]] = []
+        self._states: list[Any] = []
+        self._colors: list[int] = []
+        self._drawn: dict[int, list[Any]] = {}
+        self._flags: Any = self
+
+    def line(self, text: str) -> None:
+        """Keep a line that was meant for people, of whatever thread."""
+        self._lines.append((self.time, text))
+
+    def since(self, engine: Engine, *, last: bool = False) -> list[Event]:
+        """Events of all that is new; at the `last` look also what seldom is."""
+        self.time = engine.time
+        events: list[Event] = []
+        if len(engine.robots) != len(self.records):
+            events += self.entered(engine)
+        self.changed(engine, events)
+        if last:
+            self.reported(engine, events)
+        return events
+
+    def entered(self, engine: Engine) -> list[Event]:
+        """Events of robots that are new."""
+        events: list[Event] = []
+        new = engine.robots[len(self.records) :]
+        bodies = []
+        for robot in new:
+            record = robot.record
+            name = ros_name(record.name, self.names)
+            index = len(self.names)
+            self.names.append(name)
+            self._said.append(record.said)
+            self._said_each.append(0)
+            self._properties.append({})
+            self._states.append(record.state)
+            # a time is a multiple of the interval: those who are there at the start came at 0
+            tick = round(record.entered / engine.interval)
+            values = {
+                "tick": tick,
+                "robot": index,
+                "name": record.name,
+                "model": record.model,
+                "controller": record.state,
+                "pose": record.start,
+            }
+            events.append(Event(record.entered, "/troupe/entries", "troupe_msgs/Entry", values))
+            bodies.append((index, name, robot.model.body, robot.color))
+        if new:
+            self.records = [robot.record for robot in engine.robots]
+            events.append(body_event(self.time, bodies))
+        return events
+
+    def changed(self, engine: Engine, events: list[Event]) -> None:
+        """Events of what is new besides the bodies' motion."""
+        if self._lines:
+            lines, self._lines = self._lines, []
+            events += [self.line_event(*line) for line in lines]
+        colors = [robot.color for robot in engine.robots]
+        if colors != self._colors:
+            self.recolored(colors, events)
+        if engine.scenery.stage.hands:
+            events.append(hands_event(engine))
+        if engine.sensing.flags is not self._flags:
+            self._flags = engine.sensing.flags
+            events.append(sensed_event(engine))
+        if engine.server.connections or engine.functions.robots or engine.ticks % LOOK == 0:
+            self.reported(engine, events)
+
+    def reported(self, engine: Engine, events: list[Event]) -> None:
+        """Events of what clients bring about: what is said, reported and drawn; their ends."""
+        time = self.time
+        said = sum(map(len, self._said))
+        if said != self._said_so_far:
+            self._said_so_far = said
+            events += self.sayings()
+        properties = [record.properties for record in self.records]
+        if properties != self._properties:
+            events += self.reports(time)
+        states = [record.state for record in self.records]
+        if states != self._states:
+            events += self.controllers(states, time)
+        events += self.drawings(engine.robots, engine.ticks)
+
+    def line_event(self, time: float, text: str) -> Event:
+        name = "troupe"
+        if text.startswith("["):
+            name = text[1:].partition("]")[0]
+        values = {"level": LEVELS["info"], "name": name, "msg": text}
+        return Event(time, "/rosout", "rcl_interfaces/Log", {**stamped(time), **values})
+
+    def sayings(self) -> list[Event]:
+        events = []
+        for robot, said in enumerate(self._said):
+            for when, text in said[self._said_each[robot] :]:
+                values = {
+                    "time": when, "robot": robot, "name": self.records[robot].name, "text": text,
+                }  # fmt: skip
+                events.append(Event(when, "/troupe/said", "troupe_msgs/Said", values))
+            self._said_each[robot] = len(said)
+        return events
+
+    def reports(self, time: float) -> list[Event]:
+        events = []
+        for robot, record in enumerate(self.records):
+            before = self._properties[robot]
+            if record.properties == before:
+                continue
+            for key, value in record.properties.items():
+                if key not in before or before[key] != value:
+                    values = {
+                        "robot": robot, "name": record.name, "key": key, "value": json.dumps(value),
+                    }  # fmt: skip
+                    events.append(Event(time, "/troupe/properties", "troupe_msgs/Property", values))
+            self._properties[robot] = dict(record.properties)
+        return events
+
+    def controllers(self, states: list[Any], time: float) -> list[Event]:
+        events = []
+        for robot, (now, before) in enumerate(zip(states, self._states, strict=True)):
+            if now == before:
+                continue
+            record = self.records[robot]
+            values = {
+                "robot": robot,
+                "name": record.name,
+                "state": now,
+                "has_exit_code": record.exit_code is not None,
+                "exit_code": record.exit_code,
+                "error": record.error,
+            }
+            events.append(Event(time, "/troupe/controllers", "troupe_msgs/Controller", values))
+        self._states = states
+        return events
+
+    def recolored(self, colors: list[int], events: list[Event]) -> None:
+        bodies = []
+        for robot, (now, before) in enumerate(zip(colors, self._colors, strict=False)):
+            if now != before:
+                body = self.loaded.world.models[self.records[robot].model].body
+                bodies.append((robot, self.names[robot], body, now))
+        if bodies:
+            events.append(body_event(self.time, bodies))
+        self._colors = colors
+        self.colors = np.array(colors, np.uint32).tobytes()
+
+    def drawings(self, robots: Sequence[Robot], tick: int) -> list[Event]:
+        events = []
+        for robot in robots:
+            shapes, before = robot.drawings, self._drawn.get(robot.index, [])
+            if len(before) == len(shapes) and all(map(is_same, before, shapes)):
+                continue
+            self._drawn[robot.index] = list(shapes)
+            values = {
+                "tick": tick,
+                "robot": robot.index,
+                "shapes": [
+                    {
+                        "kind": shape.kind,
+                        "color": shape.color,
+                        "filled": shape.fill_color is not None,
+                        "fill_color": shape.fill_color,
+                        "points": np.asarray(shape.points, float).reshape(-1),
+                    }
+                    for shape in shapes
+                ],
+            }
+            events.append(Event(self.time, "/troupe/drawings", "troupe_msgs/Drawings", values))
+        return events
+
+
+def is_same(one: object, other: object) -> bool:
+    return one is other
+
+
+def stamped(time: float) -> dict[str, Any]:
+    nanoseconds = round(time * 1e9)
+    return {"stamp": {"sec": nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}}
+
+
+def hands_event(engine: Engine) -> Event:
+    """What was done to robots by hand before they moved in this tick."""
+    hands = engine.scenery.stage.hands
+    values = {
+        "tick": engine.ticks,
+        "robots": [robot for robot, _ in hands],
+        "settled": [pose is None for _, pose in hands],
+        "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
+    }
+    return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
+
+
+def sensed_event(engine: Engine) -> Event:
+    """Which sensors are read now."""
+    suite = engine.scenery.suite
+    slots = np.flatnonzero(engine.sensing.flags)
+    firsts = np.array(suite.first_slot, np.int64)
+    robots = np.searchsorted(firsts, slots, side="right") - 1
+    sensors = slots - firsts[robots] if len(slots) else slots
+    values = {"tick": engine.ticks, "robots": robots, "sensors": sensors}
+    return Event(engine.time, "/troupe/sensed", "troupe_msgs/Sensed", values)

@@ -1,0 +1,127 @@
+"""Whether one more body fits: what stands in a world already, and the space that is free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.stage.geometry import Floats, distance_to_edges, in_convex, separation, signed_area
+from sim.stage.layout import Layout
+
+ROUNDING = 1e-7
+"""m by which sums of coordinates and margins may miss: places that just fit do fit."""
+
+
+class FreeSpace:
+    """Convex outlines that stand in a layout, with their bounds in arrays for a quick look.
+
+    Solids are there from the start, and movable obstacles and doors' cells unless told
+    otherwise; robots are added with `occupy`. low, high (2,): the bounds of where robots may be.
+    """
+
+    def __init__(self, layout: Layout, *, doors: bool = True, movable: bool = True) -> None:
+        self._outer = layout.arena
+        self._arena = layout.arena if layout.region is None else layout.region
+        self._slanted = layout.region is not None
+        self.low: Floats = self._arena.min(axis=0)
+        self.high: Floats = self._arena.max(axis=0)
+        self._outlines: list[Floats] = []
+        self._margins: list[float] = []
+        self._bounds = np.zeros((64, 4))
+        standing = {solid.vertices.tobytes() for solid in layout.solids}
+        for solid in layout.solids:
+            self.occupy(solid.vertices, 0.0)
+        for vertices in layout.obstacles if movable else ():
+            if vertices.tobytes() not in standing:
+                self.occupy(vertices, 0.0)
+        for door in layout.doors if doors else ():
+            self.occupy(door.rectangle, 0.0)
+
+    def occupy(self, vertices: Floats, margin: float) -> None:
+        """Add a convex outline (k, 2) that others must stay `margin` metres away from."""
+        count = len(self._outlines)
+        if count == len(self._bounds):
+            self._bounds = np.concatenate([self._bounds, np.zeros_like(self._bounds)])
+        self._bounds[count, :2] = vertices.min(axis=0) - margin
+        self._bounds[count, 2:] = vertices.max(axis=0) + margin
+        self._outlines.append(vertices)
+        self._margins.append(margin)
+
+    def mark(self) -> int:
+        """How many outlines there are: to go back to."""
+        return len(self._outlines)
+
+    def back_to(self, mark: int) -> None:
+        """Forget the outlines added since."""
+        del self._outlines[mark:]
+        del self._margins[mark:]
+
+    def holds(self, points: Floats) -> bool:
+        """Whether all points (n, 2) are where robots may be."""
+        return bool(in_convex(points, self._outer).all())
+
+    def too_small_for(self, count: int, shape: Floats, margin: float) -> bool:
+        """Whether so many bodies with this outline are more than the region's area can hold.
+
+        Bodies that keep a margin may each be grown by half of it without overlapping; grown so
+        they are within the region's bounds less half a margin all around.
+        """
+        edges = np.roll(shape, -1, axis=0) - shape
+        each = signed_area(shape) + float(np.hypot(*edges.T).sum()) * margin / 2
+        width, height = np.maximum(self.high - self.low - margin, 0.0)
+        return bool(count * each > min(width * height, signed_area(self._arena)))
+
+    def fits(self, vertices: Floats, margin: float) -> bool:
+        """Whether a body with this outline is in the region and far enough from everything.
+
+        Far enough: `margin`, or the other's margin if that is more; the region's edges too.
+        """
+        low, high = vertices.min(axis=0) - margin, vertices.max(axis=0) + margin
+        if low[0] < self.low[0] - ROUNDING or low[1] < self.low[1] - ROUNDING:
+            return False
+        if high[0] > self.high[0] + ROUNDING or high[1] > self.high[1] + ROUNDING:
+            return False
+        if self._slanted:
+            if not in_convex(vertices, self._arena).all():
+                return False
+            # The corner of a convex body is what comes nearest to a convex region's edge.
+            if margin > 0 and distance_to_edges(vertices, self._arena).min() < margin - ROUNDING:
+                return False
+        for index in self._near(low, high):
+            least = max(margin, self._margins[index])
+            gap = separation(vertices, self._outlines[index])
+            if gap < least - ROUNDING or gap <= 0.0:
+                return False
+        return True
+
+    def chord(self, y: float) -> tuple[float, float]:
+        """Least and greatest x of the region on the line of height y; an empty range if none."""
+        start, end = self._arena, np.roll(self._arena, -1, axis=0)
+        crossing = (np.minimum(start[:, 1], end[:, 1]) <= y) & (
+            np.maximum(start[:, 1], end[:, 1]) >= y
+        )
+        if not crossing.any():
+            return np.inf, -np.inf
+        start, end = start[crossing], end[crossing]
+        rise = end[:, 1] - start[:, 1]
+        part = np.divide(y - start[:, 1], rise, out=np.zeros(len(rise)), where=rise != 0.0)
+        x = np.concatenate([start[:, 0] + part * (end[:, 0] - start[:, 0]), end[rise == 0.0, 0]])
+        return float(x.min()), float(x.max())
+
+    def overlapped(self, vertices: Floats, tolerance: float) -> Iterator[int]:
+        """Numbers of the outlines that overlap this one by more than `tolerance` metres."""
+        for index in self._near(vertices.min(axis=0), vertices.max(axis=0)):
+            if separation(vertices, self._outlines[index]) < -tolerance:
+                yield index
+
+    def _near(self, low: Floats, high: Floats) -> list[int]:
+        bounds = self._bounds[: len(self._outlines)]
+        near: NDArray[np.int64] = np.nonzero(
+            (bounds[:, 0] <= high[0])
+            & (bounds[:, 1] <= high[1])
+            & (bounds[:, 2] >= low[0])
+            & (bounds[:, 3] >= low[1])
+        )[0]
+        return [int(index) for index in near]

@@ -1,0 +1,65 @@
+"""Which robots could meet anything within a tick: only these need joints and the solver.
+
+The others, far from all else, are most of a large sparse world. They are moved by forces alone
+(see `drive.lead`), and the solver does not spend its rounds on them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sim.stage.compiled import compiled
+from sim.stage.distance_field import clear_of
+from sim.stage.substeps import sort_by_x
+
+CALM = 20
+"""Ticks that a robot must have been far from everything before its joints are taken away: to
+attach and detach them costs more than to keep them for a while."""
+
+
+@compiled
+def count_calm_ticks(
+    state: Any, movers: Any, count: int, order: Any, cells: Any, cell: float, interval: float
+) -> tuple[int, float]:
+    """Count for each mover the ticks since it last could meet anything (`calm`, 0 for now).
+
+    Bodies are taken for their circles, and each for as fast as the fastest may be: who is pushed
+    goes as fast as who pushes. Returns how many robots must get or lose their joints, and that
+    speed in m/s: should anything go faster, look again.
+    """
+    sort_by_x(order, state, movers, count)
+    fastest, widest = 0.0, 0.0
+    for i in range(count):
+        mover = movers[i]
+        body = state[mover.row]
+        mover.calm += 1
+        speed = max(mover.max_speed if mover.driven else 0.0, math.hypot(body[3], body[4]))
+        fastest, widest = max(fastest, speed), max(widest, mover.reach)
+    way = fastest * interval
+    widest += way
+    for i in range(count):
+        mover = movers[order[i]]
+        body = state[mover.row]
+        wide = mover.reach + (0.0 if mover.standing else way)
+        if not mover.standing and clear_of(cells, cell, body[0], body[1]) <= wide:
+            mover.calm = 0
+        for j in range(i + 1, count):
+            other = movers[order[j]]
+            there = state[other.row]
+            if there[0] - body[0] > wide + widest:
+                break
+            if mover.standing and other.standing:
+                continue
+            least = wide + other.reach + (0.0 if other.standing else way)
+            if math.hypot(there[0] - body[0], there[1] - body[1]) <= least:
+                mover.calm = 0
+                other.calm = 0
+    changes = 0
+    for i in range(count):
+        mover = movers[i]
+        if mover.driven and (
+            (mover.calm == 0 and mover.control < 0) or (mover.calm >= CALM and mover.control >= 0)
+        ):
+            changes += 1
+    return changes, fastest
