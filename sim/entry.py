@@ -63,7 +63,7 @@ class Entry:
             record,
             driver=Driver(index, kind, record, drives=model.drive is not None),
             port=self.switchboard.add_port(),
-            color=model.body.color,
+            color=int(self.context.scenery.scene.colors[entity]),
             fiducial=model.fiducial or 0,
             sprayers=[Sprayer(mount) for mount in model.actuators],
         )

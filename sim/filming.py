@@ -11,17 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensors.readings import Blobs, Scans
+from sim.silhouette import silhouette
 from sim.stage.boundary import touchable
-from sim.stage.geometry import outline, placed
+from sim.stage.geometry import placed
 from sim.video.layers import Layer, layers_of
+from sim.video.palette import GROUND, mix
 from sim.video.snapshot import MOST_SCANS, Backdrop, Drawing, Scan, Shape, Sighting, Snapshot
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
     from sim.engine import Engine
+    from sim.stage.layout import Look
     from sim.video.recorder import Recorder
     from sim.video.still import Still
 
+PALE = 0.6
+"""The share of the ground's colour in that of things which robots can drive over or under."""
 ENDED = frozenset({"finished", "failed", "hung", "lost"})
 """States of a controller that drives nobody any more."""
 
@@ -79,7 +84,12 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
     boundary behind them is not shown.
     """
     layout, world = loaded.layout, loaded.world
-    solids = [(solid.vertices, solid.color) for solid in layout.solids]
+    solids = [(one.vertices, one.look.color) for one in layout.solids if stops_robots(one.look)]
+    marks = [
+        (one.vertices, mix(one.look.color, GROUND, PALE))
+        for one in layout.solids
+        if not stops_robots(one.look)
+    ]
     wall = world.boundary
     if wall is not None and layout.raster is not None and wall.shape == "size":
         count = len(layout.arena)
@@ -87,15 +97,22 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
         solids = [(piece, wall.color) for piece in pieces] + solids[count:]
     return Backdrop(
         size=layout.size,
+        low=layout.low,
         solids=solids,
+        marks=marks,
         doors=[door.rectangle for door in layout.doors],
         title=world.name or loaded.path.stem,
     )
 
 
+def stops_robots(look: Look) -> bool:
+    """Whether a thing takes up floor: what does not is shown pale, and under the robots."""
+    return look.solid and look.z == 0.0
+
+
 def shape_of(body: Any) -> Shape:
     """A body's outline in its own frame, or its radius."""
-    return body.radius if body.shape == "circle" else outline(body)
+    return body.radius if body.shape == "circle" else silhouette(body)
 
 
 class Film:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sensors.eyes import eyes
+from sensors.noise import random_color
 from sensors.odometry import Odometry
 from sensors.scene import Scene
 from sensors.suite import Suite
@@ -15,10 +18,11 @@ from sensors.view import Contacts
 from sim.build import LoadedWorld
 from sim.robot import Robot
 from sim.stage.floor import FloorPaint
-from sim.stage.geometry import outline
+from sim.stage.geometry import faces
 from sim.stage.layout import Layout
 from sim.stage.stage import Stage
 from sim.worldfile.schema import Model
+from sim.worldfile.values import RANDOM
 
 Floats = NDArray[np.float64]
 
@@ -38,37 +42,56 @@ class Scenery:
         self.add_walls(layout)
         self.movables = np.array(
             [
-                self.add_body(movable.body, movable.color, movable.height, 0, movable.pose)
+                self.add_body(movable.body, movable.body.fiducial or 0, movable.pose)
                 for movable in layout.movables
             ],
             np.int64,
         )
+        for landmark in layout.landmarks:
+            self.add_body(landmark.body, landmark.body.fiducial, landmark.pose)
 
     def add_walls(self, layout: Layout) -> None:
-        """One entity for what stands of each colour and height."""
+        """One entity for what stands and looks alike."""
         scene, entities = self.scene, {}
-        faces = list(zip(layout.segment_colors, layout.segment_heights, strict=True))
-        rounds = [(solid, solid.circle) for solid in layout.solids if solid.circle is not None]
-        for look in dict.fromkeys([*faces, *((solid.color, solid.height) for solid, _ in rounds)]):
-            color, height = look
-            entity = scene.add_entity(color=int(color), height=float(height))
-            entities[look] = entity
-            same = (layout.segment_colors == color) & (layout.segment_heights == height)
-            scene.add_segments(entity, layout.segments[same])
+        rounds = [
+            (solid, solid.circle)
+            for solid in layout.solids
+            if solid.circle is not None and not solid.landmark
+        ]
+        for look in dict.fromkeys([*layout.looks, *(solid.look for solid, _ in rounds)]):
+            entities[look] = scene.add_entity(
+                color=look.color,
+                height=look.height,
+                solid=look.solid,
+                seen_by=look.seen_by,
+                bottom=look.z,
+            )
+        for number, look in enumerate(layout.looks):
+            scene.add_segments(entities[look], layout.segments[layout.segment_looks == number])
         for solid in layout.insides:
-            scene.add_solid(entities[solid.color, solid.height], solid.vertices)
+            scene.add_solid(entities[solid.look], solid.vertices)
         for solid, (x, y, radius) in rounds:
-            scene.add_circle(entities[solid.color, solid.height], radius, (x, y))
+            scene.add_circle(entities[solid.look], radius, (x, y))
 
-    def add_body(self, body: Any, color: int, height: float, fiducial: int, pose: Any) -> int:
-        """A body that sensors see; its entity."""
+    def add_body(self, body: Any, fiducial: int, pose: Any, color: int | None = None) -> int:
+        """A body of the schema that sensors see, with a fiducial or 0; its entity.
+
+        color: 0xRRGGBB, in place of the body's own.
+        """
         entity = self.scene.add_entity(
-            color=color, height=height, fiducial=fiducial, pose=tuple(map(float, pose))
+            color=body.color if color is None else color,
+            height=body.height,
+            fiducial=fiducial,
+            pose=tuple(map(float, pose)),
+            solid=body.solid,
+            seen_by=eyes(body.seen_by),
+            bottom=body.z,
         )
-        if body.shape == "circle":
-            self.scene.add_circle(entity, body.radius)
-        else:
-            self.scene.add_polygon(entity, outline(body))
+        for vertices, circle in faces(body):
+            if circle is not None:
+                self.scene.add_circle(entity, circle[2], circle[:2])
+            else:
+                self.scene.add_polygon(entity, vertices)
         return entity
 
     def add_robot(self, name: str, model_name: str, model: Model, pose: Floats) -> tuple[int, int]:
@@ -78,11 +101,12 @@ class Scenery:
         """
         robot = self.stage.add_robot(model_name, pose)
         body = model.body
-        entity = self.add_body(body, body.color, body.height, model.fiducial or 0, pose)
+        color = random_color(self.suite.seed, name) if body.color == RANDOM else body.color
+        entity = self.add_body(body, model.fiducial or 0, pose, color)
         if robot == len(self._entities):
             self._entities = np.concatenate([self._entities, np.zeros_like(self._entities)])
         self._entities[robot] = entity
-        noise = model.odometry_noise
+        noise, origin = model.odometry_noise, model.odometry_origin
         self.suite.add_robot(entity, name, model.sensors)
         self.odometry.add_robot(
             name,
@@ -90,6 +114,8 @@ class Scenery:
             gps=model.localization == "gps",
             slip=noise.slip if noise else 0.0,
             turn=noise.turn if noise else 0.0,
+            bias=noise.bias if noise else (0.0, 0.0, 0.0),
+            frame=None if origin is None else (*origin[:2], math.radians(origin[2])),
         )
         return robot, entity
 

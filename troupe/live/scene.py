@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sim.filming import backdrop_of
-from sim.stage.geometry import outline
+from sim.silhouette import silhouette
 from sim.video import palette
 from sim.view.moment import Scene
 
@@ -27,6 +27,7 @@ def scene_of(engine: Engine, *, again: bool) -> Scene:
     about = {
         "title": backdrop.title,
         "size": list(backdrop.size),
+        "low": list(backdrop.low),
         "doors": [np.asarray(door).round(4).tolist() for door in backdrop.doors],
         "models": {name: model_of(model) for name, model in world.models.items()},
         "things": [
@@ -48,7 +49,7 @@ def scene_of(engine: Engine, *, again: bool) -> Scene:
             "soft_ink": palette.SOFT_INK,
         },
     }
-    return Scene(about, backdrop.solids)
+    return Scene(about, [*backdrop.marks, *backdrop.solids])
 
 
 def floor_of(loaded: LoadedWorld, resolution: float) -> dict[str, Any]:
@@ -63,7 +64,7 @@ def model_of(model: Any) -> dict[str, Any]:
     drive = model.drive
     return {
         "shape": shape_of(model.body),
-        "color": model.body.color,
+        "color": max(model.body.color, 0),  # a random one is each robot's own
         "fiducial": model.fiducial,
         "drive": None
         if drive is None
@@ -79,4 +80,4 @@ def shape_of(body: Any) -> dict[str, Any]:
     """A body's outline: a radius, or corners in its frame."""
     if body.shape == "circle":
         return {"radius": body.radius}
-    return {"corners": np.asarray(outline(body), float).round(6).tolist()}
+    return {"corners": np.asarray(silhouette(body), float).round(6).tolist()}

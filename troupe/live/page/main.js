@@ -73,7 +73,7 @@ page.link = new Link({
       find(id).disabled = scene.read_only;
     }
     size();
-    page.camera.reset(scene.size);
+    page.camera.reset(scene);
     if (page.view.selected.size) hands.select(page.view.selected);
     page.changed();
   },
