@@ -11,8 +11,8 @@ import pytest
 
 from sim.build import load
 from sim.worldfile import WorldError
-from tests.sim.raw_client import ACK, NACK, SIMULATION, RawClient, pulling, text
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, NACK, SIMULATION, RawClient, pulling, text
 
 WORLD = """\
 size: [20, 20]

@@ -24,8 +24,8 @@ from player import (
     SpeechProxy,
 )
 from tests.patience import PATIENCE
-from tests.sim.raw_client import ACK, SONAR, pulling
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, SONAR, pulling
 
 CLOSE_TO = 0.01
 
