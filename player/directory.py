@@ -10,9 +10,6 @@ from player.codes import DeviceAddr
 from player.header import FRONT
 from player.messages import encode
 
-MOST_FRONTS = 4096
-"""Beginnings of headers that are kept: what clients ask may be of as many kinds as they like."""
-
 
 @cache
 def wire_address(host: str) -> int:
@@ -82,13 +79,11 @@ class Directory:
         self._fronts.clear()
 
     def front(self, interf: int, index: int, type: int, subtype: int) -> bytes:
-        """The header of a message from here, up to its timestamp."""
+        """The header of data, or of an answer, from here, up to its timestamp; it is kept."""
         kind = (interf, index, type, subtype)
         front = self._fronts.get(kind)
         if front is None:
-            front = FRONT.pack(self.wire_host, self.port, *kind)
-            if len(self._fronts) < MOST_FRONTS:
-                self._fronts[kind] = front
+            front = self._fronts[kind] = FRONT.pack(self.wire_host, self.port, *kind)
         return front
 
     def listing(self) -> bytes:
