@@ -23,7 +23,7 @@ from player.codes import (
     PlayerRequest,
     Replace,
 )
-from player.environment import Place, find_place
+from player.environment import Place, find_place, find_timeout
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
 from player.familiar import Familiar
 from player.header import Message, pack_message
@@ -63,7 +63,8 @@ class PlayerClient:
     number of an inherited socket), or PLAYER_HOST and PLAYER_PORT; else 127.0.0.1:6665.
 
     `timeout`: wall-clock seconds to wait for an answer, whatever else comes; None for ever. Left
-    out it is 5 over TCP, and None over an inherited socket, whose other end is alive or closed.
+    out it is PLAYER_TIMEOUT (0: for ever) or else 5 over TCP, and None over an inherited socket,
+    whose other end is alive or closed.
     `read_timeout`: the same for data in `read`; None, the default, waits for ever.
     `mode`: "pull" (one `read` asks for and gets one round of data) or "push".
     `replace`: in pull mode, newer data takes the place of older data that has not been asked for.
@@ -97,7 +98,8 @@ class PlayerClient:
         """Replies that nobody was waiting for, dropped."""
         self.timeout: float | None
         if timeout == "default":
-            self.timeout = None if place.sock is not None else DEFAULT_TIMEOUT
+            is_local = place.sock is not None
+            self.timeout = None if is_local else find_timeout(environ, DEFAULT_TIMEOUT)
         else:
             self.timeout = timeout
         self.read_timeout = read_timeout

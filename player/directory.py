@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Iterator, Mapping
+from functools import cache
 
 from player.codes import DeviceAddr
 from player.header import FRONT
 from player.messages import encode
+
+
+@cache
+def wire_address(host: str) -> int:
+    """An IPv4 address as headers have it; 0 for any other host, as they have no room for it."""
+    try:
+        packed = ipaddress.IPv4Address(host).packed
+    except ValueError:
+        return 0
+    return int.from_bytes(packed, "little")
 
 
 class Directory:
@@ -62,11 +73,7 @@ class Directory:
         """Sets what clients are told in headers and lists: an IPv4 address and a port."""
         self.host = host
         self.port = port
-        try:
-            packed = ipaddress.IPv4Address(host).packed
-        except ValueError:
-            packed = bytes(4)  # no IPv4 address: the protocol has no room for any other
-        self.wire_host = int.from_bytes(packed, "little")
+        self.wire_host = wire_address(host)
         """The address as it stands in headers: 127.0.0.1 is 0x0100007f."""
         self._list = None
         self._fronts.clear()

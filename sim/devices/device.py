@@ -57,6 +57,7 @@ class Context:
     thing_puts: dict[int, dict[str, tuple[float, float, float]]] = field(default_factory=dict)
     # the same of obstacles, by their names
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    changes: int = 0  # how many there have been: what they bring about is looked for after one
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
     def admit(self, robot: Robot) -> None:
@@ -105,6 +106,7 @@ class Context:
         failed = []
         while self.pending:
             pending, self.pending = self.pending, {}
+            self.changes += len(pending)
             for robot in sorted(pending):
                 for action, client in pending[robot].values():
                     try:

@@ -36,6 +36,7 @@ class Drivers:
         self.clocks = clocks
         self.stop = stop
         self.fail_fast = fail_fast
+        self.ends = 0  # how often a controller has ended
         self.failed = False  # and nobody is to be waited for any more
 
     @property
@@ -66,6 +67,7 @@ class Drivers:
         self, driver: Driver, state: ControllerState, code: int | None, error: str | None
     ) -> None:
         """A controller's run is over; its robot stops, for good unless a client may come back."""
+        self.ends += 1
         robot = self.robots[driver.robot]
         if driver.kind == "external":
             self.stop(robot)  # while it counts as running: it is not to become a body
