@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensors.compiled import compiled, forget_stale_code
-
-forget_stale_code(Path(__file__).parent)
+from sim.devices.compiled import compiled
 
 Words = NDArray[np.uint32]
 SWAPS = sys.byteorder == "little"
