@@ -10,7 +10,7 @@ import typer
 
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
-from troupe.commands import film_options as options
+from troupe import film_options as options
 from troupe.filmed import Filmed
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.usage import UsageError, told

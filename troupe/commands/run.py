@@ -14,7 +14,7 @@ import typer
 
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
-from troupe.commands import film_options as options
+from troupe import film_options as options
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
 from troupe.streams import OutputLost, ReaderGone
