@@ -23,12 +23,13 @@ from player.codes import (
     PlayerRequest,
     Replace,
 )
-from player.environment import Place, find_place
+from player.environment import Place, find_place, find_timeout
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
-from player.familiar import STEP, Familiar
-from player.header import HEADER_SIZE, Message, pack_message
+from player.familiar import Familiar
+from player.header import Message, pack_message
 from player.link import Deadline, Link
 from player.printable import printable
+from player.usual import read_round
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -55,27 +56,6 @@ def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
     return payload
 
 
-DataAt = tuple[int, int, tuple[int, int], int]
-"""Data in a round that is cut into parts: where its payload is among them, its subtype and its
-device, and where it ends among the round's bytes."""
-
-
-def _data_of_round(messages: list[Message]) -> list[DataAt] | None:
-    """The data in a round; None for what is no round: acknowledgement, data, and its end."""
-    first, last = messages[0], messages[-1]
-    if first[2:6] != (_PLAYER.interf, 0, _ACK, PlayerRequest.DATA) or last.type != _SYNCH:
-        return None
-    found: list[DataAt] = []
-    end = HEADER_SIZE + len(first.payload)
-    for number, message in enumerate(messages[1:-1], start=1):
-        if message.type != _DATA:
-            return None
-        end += HEADER_SIZE + len(message.payload)
-        at = STEP * number + STEP - 1
-        found.append((at, message.subtype, (message.interf, message.index), end))
-    return found
-
-
 class PlayerClient:
     """One connection to a Player server. Proxies of devices are made on it.
 
@@ -83,7 +63,8 @@ class PlayerClient:
     number of an inherited socket), or PLAYER_HOST and PLAYER_PORT; else 127.0.0.1:6665.
 
     `timeout`: wall-clock seconds to wait for an answer, whatever else comes; None for ever. Left
-    out it is 5 over TCP, and None over an inherited socket, whose other end is alive or closed.
+    out it is PLAYER_TIMEOUT (0: for ever) or else 5 over TCP, and None over an inherited socket,
+    whose other end is alive or closed.
     `read_timeout`: the same for data in `read`; None, the default, waits for ever.
     `mode`: "pull" (one `read` asks for and gets one round of data) or "push".
     `replace`: in pull mode, newer data takes the place of older data that has not been asked for.
@@ -117,7 +98,8 @@ class PlayerClient:
         """Replies that nobody was waiting for, dropped."""
         self.timeout: float | None
         if timeout == "default":
-            self.timeout = None if place.sock is not None else DEFAULT_TIMEOUT
+            is_local = place.sock is not None
+            self.timeout = None if is_local else find_timeout(environ, DEFAULT_TIMEOUT)
         else:
             self.timeout = timeout
         self.read_timeout = read_timeout
@@ -130,7 +112,7 @@ class PlayerClient:
         self._asked = False
         self._acknowledged = False
         self._in_step = False  # the last round is over, and nothing that came since is left
-        self._familiar = Familiar(_data_of_round)
+        self._familiar = Familiar(read_round)
         self._closed = False
         self._outside = place.sock is None
         self._mode = DataMode.PUSH  # a server's first state

@@ -42,6 +42,12 @@ class BumperSettings(SensorSettings):
     )
 
     @model_validator(mode="after")
+    def _without_height(self) -> Self:
+        if self.z is not None:
+            raise ValueError("a bumper has no height: it feels all that its body touches")
+        return self
+
+    @model_validator(mode="after")
     def _count_or_parts(self) -> Self:
         if self.parts and "count" in self.model_fields_set:
             raise ValueError("give count or parts, not both")

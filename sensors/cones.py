@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from .compiled import compiled
-from .grid import Floats, Ints, locate, ring_cells
+from .grid import HOLLOW, Floats, Ints, locate, ring_cells
 from .picture import ON, SLACK, stands_on
-from .scene import Seen
+from .sight import Seen
 from .solids import OUTSIDE, side_of, stands_within
 
 
@@ -29,12 +29,22 @@ def _within(x: float, y: float, fov: float, side_x: float, side_y: float) -> boo
 
 @compiled
 def _edge_distance(
-    ax: float, ay: float, ex: float, ey: float, fov: float, side_x: float, side_y: float
+    ax: float,
+    ay: float,
+    ex: float,
+    ey: float,
+    fov: float,
+    side_x: float,
+    side_y: float,
+    hollow: bool,
 ) -> float:
-    """How near the edge from a to a + e comes within the cone; infinity if it does not."""
+    """How near the edge from a to a + e comes within the cone; infinity if it does not.
+
+    Nor does one of something hollow on which the cone's tip lies.
+    """
     area = ax * ey - ay * ex
     if stands_on(ax, ay, ex, ey, area):
-        return 0.0
+        return math.inf if hollow else 0.0
     best = math.inf
     bx, by = ax + ex, ay + ey
     if _within(ax, ay, fov, side_x, side_y):
@@ -60,12 +70,12 @@ def _edge_distance(
 
 @compiled
 def _circle_distance(
-    x: float, y: float, radius: float, fov: float, side_x: float, side_y: float
+    x: float, y: float, radius: float, fov: float, side_x: float, side_y: float, hollow: bool
 ) -> float:
     """How near a circle about (x, y) comes within the cone; infinity if it does not."""
     centre = math.hypot(x, y)
     if centre - radius <= ON:
-        return 0.0
+        return _distance_around(x, y, radius, fov, side_x, side_y) if hollow else 0.0
     if _within(x, y, fov, side_x, side_y):
         return centre - radius
     best = math.inf
@@ -82,6 +92,24 @@ def _circle_distance(
 
 
 @compiled
+def _distance_around(
+    x: float, y: float, radius: float, fov: float, side_x: float, side_y: float
+) -> float:
+    """How near a circle about (x, y) comes within a cone whose tip it holds."""
+    centre = math.hypot(x, y)
+    if centre < radius - ON and (centre <= ON or _within(-x, -y, fov, side_x, side_y)):
+        return radius - centre
+    best = math.inf
+    for turn in range(2):
+        dx, dy = side_x, side_y if turn == 0 else -side_y
+        aside = abs(x * dy - y * dx)
+        far = x * dx + y * dy + math.sqrt(max((radius - aside) * (radius + aside), 0.0))
+        if far > ON:
+            best = min(best, far)
+    return best
+
+
+@compiled
 def cast_cones(
     seen: Seen,
     origins: Floats,
@@ -93,14 +121,14 @@ def cast_cones(
     """Write into `ranges` (n,) how far the nearest point in each cone is, at most `max_range`.
 
     Args:
-        seen: `Scene.arrays`.
+        seen: `Scene.seen`.
         origins: (n, 3) x, y, heading of the cones' axes.
         own: (n,) the entity that each sensor does not see, or -1.
         fov: the cones' width in radians, sides included, at most 2 pi.
     """
     bodies, walls, solids = seen
     bounds, shapes, vertices, body_frame, body_start, body_items = bodies
-    segments, owners, wall_frame, wall_start, wall_items = walls
+    segments, owners, sheets, wall_frame, wall_start, wall_items = walls
     cells = np.empty(max(body_start.shape[0], wall_start.shape[0]), np.int64)
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     for j in range(origins.shape[0]):
@@ -124,7 +152,8 @@ def cast_cones(
                     dx, dy = segments[wall, 2], segments[wall, 3]
                     ax, ay = cos * x + sin * y, cos * y - sin * x
                     ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
-                    best = min(best, _edge_distance(ax, ay, ex, ey, fov, side_x, side_y))
+                    thin = sheets[wall]
+                    best = min(best, _edge_distance(ax, ay, ex, ey, fov, side_x, side_y, thin))
 
         column, row, first, last, inset = locate(body_frame, ox, oy)
         for ring in range(first - 1, last + 1):
@@ -143,13 +172,16 @@ def cast_cones(
                     x, y, radius = bounds[s, 0] - ox, bounds[s, 1] - oy, bounds[s, 2]
                     if x * x + y * y > (best + radius + ON) * (best + radius + ON):
                         continue
+                    hollow = shapes[s, 3] == HOLLOW
                     if shapes[s, 2] == 0:
                         ax, ay = cos * x + sin * y, cos * y - sin * x
-                        best = min(best, _circle_distance(ax, ay, radius, fov, side_x, side_y))
+                        best = min(
+                            best, _circle_distance(ax, ay, radius, fov, side_x, side_y, hollow)
+                        )
                         continue
                     begin, end = shapes[s, 1], shapes[s, 1] + shapes[s, 2]
                     reach = radius + ON
-                    if x * x + y * y <= reach * reach and (
+                    if (not hollow and x * x + y * y <= reach * reach) and (
                         side_of(vertices, begin, end, ox, oy) != OUTSIDE
                     ):
                         best = 0.0
@@ -160,5 +192,7 @@ def cast_cones(
                         dx, dy = vertices[w, 0] - vertices[v, 0], vertices[w, 1] - vertices[v, 1]
                         ax, ay = cos * x + sin * y, cos * y - sin * x
                         ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
-                        best = min(best, _edge_distance(ax, ay, ex, ey, fov, side_x, side_y))
+                        best = min(
+                            best, _edge_distance(ax, ay, ex, ey, fov, side_x, side_y, hollow)
+                        )
         ranges[j] = best

@@ -45,7 +45,7 @@ def _looked_for(ids: tuple[int, ...]) -> Ids:
 def sense_fiducials(settings: FiducialSettings, view: View, readings: Fiducials) -> None:
     """Ids and relative poses of marked things in sight."""
     scene = view.scene
-    marked = np.flatnonzero((scene.fiducials != 0) & ~scene.hidden)
+    marked = np.flatnonzero((scene.fiducials != 0) & ~scene.hidden & scene.sees(view.eye, view.z))
     if settings.ids:
         marked = marked[np.isin(scene.fiducials[marked], _looked_for(settings.ids))]
     pairs = np.empty((16 + 4 * len(view.rows), 2), np.int64)
@@ -71,7 +71,13 @@ def sense_fiducials(settings: FiducialSettings, view: View, readings: Fiducials)
         return
     # One ray each, a little longer than the way, so that a thing whose edge is its centre is hit.
     ranges, hits = cast(
-        scene, lines[:count, :3], view.entities[rows], 0.0, 1, 1.01 * settings.range
+        scene,
+        lines[:count, :3],
+        view.entities[rows],
+        0.0,
+        1,
+        1.01 * settings.range,
+        seen=view.seen,
     )
     clear = (hits[:, 0] == targets) | (ranges[:, 0] >= distances)
     rows, targets, distances = rows[clear], targets[clear], distances[clear]

@@ -19,8 +19,12 @@ Ints = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 Bodies = tuple[Floats, Ints, Floats, Floats, Ints, Ints]
 """bounds (S, 3), shapes (S, 4), vertices (V, 2) as in `place_bodies`; frame, start, items."""
-Walls = tuple[Floats, Ints, Floats, Ints, Ints]
-"""walls (M, 4) ax, ay, ex, ey from a to a + e; their entities (M,); frame, start, items."""
+Walls = tuple[Floats, Ints, Flags, Floats, Ints, Ints]
+"""walls (M, 4) ax, ay, ex, ey from a to a + e; their entities (M,); whether they are sheets without
+an inside (M,); frame, start, items."""
+
+HOLLOW = 2
+"""In place of convex (1) or not (0): a shape without an inside, which is seen from within too."""
 
 
 @compiled
@@ -42,7 +46,8 @@ def place_bodies(
     Args:
         poses: (E, 3) x, y, heading of the entities.
         hidden: (E,) entities that nobody sees.
-        shapes: (S, 4) entity, first vertex, number of vertices (0: a circle), convex (1) or not.
+        shapes: (S, 4) entity, first vertex, number of vertices (0: a circle), convex (1), not (0),
+            or HOLLOW.
         bounds_local, bounds: (S, 3) centre and radius of each shape's bounding circle, in the
             entity's frame and (written) in the world's.
         vertices_local, vertices: (V, 2) likewise.

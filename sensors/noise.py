@@ -75,18 +75,22 @@ def add_range_noise(
 
 @compiled
 def add_element_noise(
-    ranges: Floats, rows: Ints, keys: Keys, tick: int, deviation: float, max_range: float
+    ranges: Floats, rows: Ints, keys: Keys, tick: int, deviation: float, far: Floats
 ) -> None:
-    """The same for ranges without hits: what is nearer than `max_range` did hit something.
+    """The same for ranges without hits: what is nearer than its range `far` did hit something.
 
-    So it does not become `max_range` either, which would say that nothing is there.
+    So it does not become that range either, which would say that nothing is there.
     """
-    farthest = np.nextafter(max_range, 0.0)
     for j in rows:
         for i in range(ranges.shape[1]):
-            if ranges[j, i] < max_range:
+            if ranges[j, i] < far[i]:
                 noisy = ranges[j, i] + deviation * gaussian_at(keys[j], tick, i)
-                ranges[j, i] = min(max(noisy, 0.0), farthest)
+                ranges[j, i] = min(max(noisy, 0.0), np.nextafter(far[i], 0.0))
+
+
+def random_color(seed: int, name: str) -> int:
+    """A colour 0xRRGGBB for a thing of a name: the same whenever the seed is."""
+    return int(stream_key(seed, name, "color")) & 0xFFFFFF
 
 
 def gaussians(keys: Keys, tick: int, channels: int = 1) -> Floats:

@@ -5,7 +5,8 @@ is measured wrongly and the wrong increments are added up, as wheels do it: the 
 the way, stays while the robot stands, and is never white noise on the pose. The error of an
 increment is Gaussian with a variance in proportion to its length, so that it does not matter how
 often one looks: after 1 m the distance is wrong by `slip` metres (standard deviation), after 4 m
-by twice that; likewise `turn` for a radian turned. A gps reports the world pose.
+by twice that; likewise `turn` for a radian turned. With `bias` the errors are constant factors of
+ways and turns besides, as of wheels that are a little too large. A gps reports the world pose.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ class Odometry:
         self._true = np.zeros((0, 3))  # true poses at the last update
         self._frames = np.zeros((0, 3))  # exact odometry: the frame's origin in the world
         self._gps = np.zeros(0, np.bool_)
-        self._errors = np.zeros((0, 2))  # slip, turn
+        self._errors = np.zeros((0, 5))  # slip, turn; factors of ways ahead and aside, of turns
         self._keys: Keys = np.zeros(0, np.uint64)
         self.poses: Floats = self._reported
         """(n, 3) the last reported x, y in metres and yaw in (-pi, pi]."""
@@ -50,6 +51,8 @@ class Odometry:
         gps: bool = False,
         slip: float = 0.0,
         turn: float = 0.0,
+        bias: Sequence[float] = (0.0, 0.0, 0.0),
+        frame: Sequence[float] | None = None,
     ) -> int:
         """Add a robot that stands at `pose` (x, y, heading in the world) and return its index.
 
@@ -58,9 +61,13 @@ class Odometry:
             gps: report the world pose, without noise.
             slip: standard deviation of the distance after one metre, in metres.
             turn: standard deviation of the heading after one radian turned, in radians.
+            bias: how wide the spread is of the constant relative errors of ways ahead, of ways
+                aside and of turns: each is drawn once, evenly from half of it below 0 to half
+                above.
+            frame: the pose in the world from which odometry counts; unless given, `pose`.
         """
-        if not (slip >= 0.0 and turn >= 0.0 and math.isfinite(slip + turn)):
-            raise ValueError(f"odometry noise must not be negative: slip {slip}, turn {turn}")
+        if not (min(slip, turn, *bias) >= 0.0 and math.isfinite(slip + turn + sum(bias))):
+            raise ValueError(f"odometry noise must not be negative: {slip}, {turn}, {tuple(bias)}")
         robot = self._count
         if robot == len(self._true):
             for of in ("_reported", "_true", "_frames", "_gps", "_errors", "_keys"):
@@ -71,13 +78,18 @@ class Odometry:
         self._count += 1
         self._true[robot] = pose
         self._gps[robot] = gps
-        self._errors[robot] = slip, turn
+        drawn = [
+            width * (float(stream_key(self.seed, name, "bias", axis)) / 2.0**64 - 0.5)
+            for axis, width in enumerate(bias)
+        ]
+        self._errors[robot] = slip, turn, *drawn
         self._keys[robot] = stream_key(self.seed, name, "odometry")
         if gps:
             x, y, heading = self._true[robot]
             self._reported[robot] = x, y, _wrap(heading)
         else:
-            self._frames[robot] = self._true[robot]
+            self._frames[robot] = self._true[robot] if frame is None else frame
+            self._reported[robot] = _seen_from(self._frames[robot], self._true[robot])
         self.poses = self._reported[: self._count]
         return robot
 
@@ -139,6 +151,13 @@ class Odometry:
         self._frames[robot, 2] = heading
 
 
+def _seen_from(frame: Floats, pose: Floats) -> tuple[float, float, float]:
+    """A pose in the frame at another one."""
+    dx, dy = (pose - frame)[:2].tolist()
+    cos, sin = math.cos(frame[2]), math.sin(frame[2])
+    return cos * dx + sin * dy, cos * dy - sin * dx, _wrap(float(pose[2] - frame[2]))
+
+
 @compiled
 def _wrap(angle: float) -> float:
     """The same angle in (-pi, pi]; half a turn is +pi, whatever it was rounded to."""
@@ -160,9 +179,10 @@ def _update(
     for k in range(true.shape[0]):
         x, y, heading = true[k, 0], true[k, 1], true[k, 2]
         slip, turn = errors[k, 0], errors[k, 1]
+        exact = errors[k, 2] == 0.0 and errors[k, 3] == 0.0 and errors[k, 4] == 0.0
         if gps[k]:
             poses[k, 0], poses[k, 1], poses[k, 2] = x, y, _wrap(heading)
-        elif slip == 0.0 and turn == 0.0:
+        elif slip == 0.0 and turn == 0.0 and exact:
             dx, dy, origin = x - frames[k, 0], y - frames[k, 1], frames[k, 2]
             cos, sin = math.cos(origin), math.sin(origin)
             poses[k, 0] = cos * dx + sin * dy
@@ -178,6 +198,10 @@ def _update(
                 stretch = 1.0 + slip * math.sqrt(way) * gaussian_at(keys[k], tick, 0) / way
                 ahead, aside = ahead * stretch, aside * stretch
             turned += turn * math.sqrt(abs(turned)) * gaussian_at(keys[k], tick, 1)
+            if not exact:
+                ahead *= 1.0 + errors[k, 2]
+                aside *= 1.0 + errors[k, 3]
+                turned *= 1.0 + errors[k, 4]
             yaw = poses[k, 2]
             cos, sin = math.cos(yaw), math.sin(yaw)
             poses[k, 0] += cos * ahead - sin * aside

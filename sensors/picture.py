@@ -94,12 +94,15 @@ def cover_circle(
     x: float,
     y: float,
     radius: float,
+    hollow: bool,
 ) -> bool:
-    """Draw a circle about (x, y) into the picture. True if the sensor lies in or on it."""
+    """Draw a circle about (x, y) into the picture. True if the sensor lies in or on a solid one."""
     ends, scales, live = parts
     distance = math.hypot(x, y)
     if distance - radius <= ON:
-        return True
+        if hollow:
+            _cover_around(depth, hits, fan, parts, entity, x, y, radius)
+        return not hollow
     power = (distance - radius) * (distance + radius)
     spread = math.asin(radius / distance)
     low = math.atan2(y, x) - spread
@@ -123,6 +126,31 @@ def cover_circle(
                     depth[i] = w
                     hits[i] = entity
     return False
+
+
+@compiled
+def _cover_around(
+    depth: Floats,
+    hits: Hits,
+    fan: Floats,
+    parts: Parts,
+    entity: int,
+    x: float,
+    y: float,
+    radius: float,
+) -> None:
+    """Draw a circle about (x, y) that the sensor is within: every ray meets it from there."""
+    ends, _, live = parts
+    for part in range(live.shape[0]):
+        if live[part] == 0:
+            continue
+        for i in range(ends[part], ends[part + 1]):
+            aside = abs(x * fan[1, i] - y * fan[0, i])
+            half = math.sqrt(max((radius - aside) * (radius + aside), 0.0))
+            far = x * fan[0, i] + y * fan[1, i] + half
+            if far > ON and 1.0 / far > depth[i]:
+                depth[i] = 1.0 / far
+                hits[i] = entity
 
 
 @compiled
@@ -151,13 +179,17 @@ def draw_polygon(
     entity: int,
     vertices: Floats,
     convex: bool,
+    hollow: bool,
     ox: float,
     oy: float,
     cos: float,
     sin: float,
     scratch: Floats,
 ) -> bool:
-    """Draw a polygon's edges into the picture. True if the sensor lies in it or on one."""
+    """Draw a polygon's edges into the picture. True if the sensor lies in it or on one.
+
+    Of a hollow one all edges are drawn but those on which the sensor stands.
+    """
     count = vertices.shape[0]
     outside = False
     for k in range(count):
@@ -168,14 +200,16 @@ def draw_polygon(
         ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
         area = ax * ey - ay * ex
         if stands_on(ax, ay, ex, ey, area):
-            return True
+            if not hollow:
+                return True
+            area = 0.0
         if area < 0.0:
             outside = True
         scratch[k, 0], scratch[k, 1], scratch[k, 2], scratch[k, 3] = ax, ay, ex, ey
         scratch[k, 4], scratch[k, 5] = area, 9.0  # 9: bearing not known yet
     if convex and not outside:
         return True
-    if not convex:
+    if not (convex or hollow):
         winding = 0
         for k in range(count):
             n = k + 1 if k + 1 < count else 0

@@ -1,10 +1,12 @@
 """The ranger: a ring of elements that each measure the nearest thing in a cone, or one scan."""
 
 import math
-from typing import Any, Self
+from functools import cached_property, lru_cache
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import model_validator
+import numpy.typing as npt
+from pydantic import Field, model_validator
 
 from .cones import cast_cones
 from .laser import fan_of
@@ -23,6 +25,9 @@ from .settings import (
 )
 from .view import View, place_elements
 
+Far = Annotated[Number, Field(gt=0)]
+Wide = Annotated[Number, Field(gt=0, le=360)]
+
 
 class RangerSettings(SensorSettings):
     """In sonar style unless `samples` is given: then one element that scans as a laser does."""
@@ -34,14 +39,19 @@ class RangerSettings(SensorSettings):
         unit="m, m, deg",
         description="where each element sits on the sensor, and where it looks",
     )
-    range: Number = setting(
-        5.0, gt=0, unit="m", description="how far it measures; the reading where nothing is near"
+    range: Far | tuple[Far, ...] = setting(
+        5.0,
+        unit="m",
+        description="how far it measures; the reading where nothing is near; or a list, one for "
+        "each element",
     )
     min_range: Number = setting(
         0.0, ge=0, unit="m", description="what is nearer than that reads 0: too near to measure"
     )
-    fov: Number = setting(
-        15.0, gt=0, le=360, unit="deg", description="the cone's width, or the scan's"
+    fov: Wide | tuple[Wide, ...] = setting(
+        15.0,
+        unit="deg",
+        description="the cone's width, or the scan's; or a list, one for each element",
     )
     samples: Count | None = setting(
         None,
@@ -58,7 +68,13 @@ class RangerSettings(SensorSettings):
 
     @model_validator(mode="after")
     def _measures_something(self) -> Self:
-        check_min_range(self.min_range, self.range)
+        for key, told in (("range", self.range), ("fov", self.fov)):
+            if isinstance(told, tuple) and len(told) != len(self.elements):
+                raise ValueError(
+                    f"{key} needs one number, or one for each of {len(self.elements)} elements, "
+                    f"not {len(told)}"
+                )
+        check_min_range(self.min_range, min(self.ranges))
         return self
 
     @model_validator(mode="after")
@@ -69,6 +85,18 @@ class RangerSettings(SensorSettings):
                 "leave samples out, or make a ranger of each element"
             )
         return self
+
+    @cached_property
+    def ranges(self) -> tuple[float, ...]:
+        """Each element's range in metres."""
+        told = self.range
+        return told if isinstance(told, tuple) else (told,) * len(self.elements)
+
+    @cached_property
+    def fovs(self) -> tuple[float, ...]:
+        """Each element's field of view in radians."""
+        told = self.fov if isinstance(self.fov, tuple) else (self.fov,) * len(self.elements)
+        return tuple(math.radians(fov) for fov in told)
 
     @property
     def mount(self) -> tuple[float, float, float]:
@@ -82,12 +110,23 @@ class RangerSettings(SensorSettings):
 
 
 def _empty(settings: RangerSettings, n: int) -> Scans | Elements:
-    fov = math.radians(settings.fov)
+    fov, far = max(settings.fovs), max(settings.ranges)
     if settings.samples is not None:
-        return Scans.empty(n, settings.samples, fov, settings.range)
+        return Scans.empty(n, settings.samples, fov, far)
     poses = np.array(settings.elements)
     poses[:, 2] = np.radians(poses[:, 2])
-    return Elements.empty(n, poses, fov, settings.range)
+    return Elements.empty(n, poses, fov, far)
+
+
+@lru_cache(maxsize=256)
+def _alike(
+    ranges: tuple[float, ...], fovs: tuple[float, ...]
+) -> list[tuple[float, float, npt.NDArray[np.int64]]]:
+    """The elements that see equally far and wide: range in m, fov in radians, their indices."""
+    found: dict[tuple[float, float], list[int]] = {}
+    for index, key in enumerate(zip(ranges, fovs, strict=True)):
+        found.setdefault(key, []).append(index)
+    return [(far, fov, np.array(them)) for (far, fov), them in found.items()]
 
 
 def _fan(settings: RangerSettings, readings: Any) -> Fan | None:
@@ -106,18 +145,23 @@ def sense_ranges(settings: RangerSettings, view: View, readings: Any) -> None:
                 view.keys,
                 view.tick,
                 settings.noise,
-                settings.range,
+                readings.max_range,
             )
         too_near(readings.ranges, view.rows, settings.min_range)
         return
-    count = len(readings.poses)
-    places = place_elements(view.origins, view.rows, readings.poses)
-    ranges = np.empty(len(places))
-    own = np.repeat(view.entities[view.rows], count)
-    cast_cones(view.scene.arrays, places, own, readings.fov, settings.range, ranges)
-    readings.ranges[view.rows] = ranges.reshape(-1, count)
+    for far, fov, them in _alike(settings.ranges, settings.fovs):
+        places = place_elements(view.origins, view.rows, readings.poses[them])
+        ranges = np.empty(len(places))
+        own = np.repeat(view.entities[view.rows], len(them))
+        cast_cones(view.seen, places, own, fov, far, ranges)
+        readings.ranges[view.rows[:, None], them] = ranges.reshape(-1, len(them))
     if settings.noise > 0.0:
         add_element_noise(
-            readings.ranges, view.rows, view.keys, view.tick, settings.noise, settings.range
+            readings.ranges,
+            view.rows,
+            view.keys,
+            view.tick,
+            settings.noise,
+            np.array(settings.ranges),
         )
     too_near(readings.ranges, view.rows, settings.min_range)

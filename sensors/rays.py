@@ -7,7 +7,8 @@ nearer can come.
 
 What a ray sees: the nearest point of any edge or circle of another entity. What has an inside
 (polygons, circles, and walls that were given one) is solid: a sensor that lies within it, or on
-an edge (within ON, 1e-9 m), reads 0 along all its rays.
+an edge (within ON, 1e-9 m), reads 0 along all its rays. What is hollow is seen from within, and an
+edge of it on which a sensor stands is not seen.
 """
 
 import math
@@ -18,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .compiled import compiled
-from .grid import Bodies, Floats, Ints, Walls, locate, ring_cells
+from .grid import HOLLOW, Bodies, Floats, Ints, Walls, locate, ring_cells
 from .picture import (
     EDGE_ON,
     ON,
@@ -32,7 +33,8 @@ from .picture import (
     stands_on,
 )
 from .readings import Fan
-from .scene import Scene, Seen
+from .scene import Scene
+from .sight import Seen
 from .solids import stands_within
 from .view import View
 
@@ -89,7 +91,7 @@ def _draw_walls(
     sin: float,
 ) -> int:
     """Draw all walls. Returns the entity on whose edge the sensor stands, or -1."""
-    segments, owners, frame, start, items = walls
+    segments, owners, sheets, frame, start, items = walls
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     narrow = fov <= math.pi
     parts[2][:] = 1
@@ -113,6 +115,8 @@ def _draw_walls(
                 ex, ey = cos * dx + sin * dy, cos * dy - sin * dx
                 area = ax * ey - ay * ex
                 if stands_on(ax, ay, ex, ey, area):
+                    if sheets[wall]:
+                        continue
                     return int(owners[wall])
                 if area * area <= EDGE_ON * EDGE_ON * (ex * ex + ey * ey):
                     continue
@@ -173,7 +177,9 @@ def _draw_bodies(
                 if narrow and outside_view(x, y, side_x, side_y, reach):
                     continue
                 if shapes[s, 2] == 0:
-                    on = cover_circle(depth, hits, fan, parts, entity, x, y, bounds[s, 2])
+                    on = cover_circle(
+                        depth, hits, fan, parts, entity, x, y, bounds[s, 2], shapes[s, 3] == HOLLOW
+                    )
                 else:
                     on = draw_polygon(
                         depth,
@@ -183,6 +189,7 @@ def _draw_bodies(
                         entity,
                         vertices[shapes[s, 1] : shapes[s, 1] + shapes[s, 2]],
                         shapes[s, 3] == 1,
+                        shapes[s, 3] == HOLLOW,
                         ox,
                         oy,
                         cos,
@@ -213,7 +220,7 @@ def cast_fans(
     there is to see is looked for only once.
 
     Args:
-        seen: `Scene.arrays`.
+        seen: `Scene.seen`.
         origins: (n, 3) x, y, heading; own: (n,) the entity that each sensor does not see, or -1.
         rows: (m,) the sensors to cast.
         fan: (2, samples) cosines and sines of the rays' bearings, of one fan behind the other;
@@ -221,7 +228,7 @@ def cast_fans(
         out: per fan, ranges and hits (n, its samples), written.
     """
     bodies, walls, solids = seen
-    cells = np.empty(max(bodies[4].shape[0], walls[3].shape[0]), np.int64)
+    cells = np.empty(max(bodies[4].shape[0], walls[4].shape[0]), np.int64)
     stamps = np.zeros(walls[0].shape[0] + 1, np.int64)  # per wall: the last sensor that drew it
     scratch = np.empty((most_corners(bodies[1]), 6))
     parts = (ends, scales, np.ones(scales.shape[0], np.int64))
@@ -269,7 +276,7 @@ def cast_for(view: View, fans: Sequence[Fan]) -> None:
     """Cast fans of one field of view and reach from the sensors of a view, together."""
     fov = fans[0].fov
     cast_fans(
-        view.scene.arrays,
+        view.seen,
         view.origins,
         view.entities,
         view.rows,
@@ -293,6 +300,7 @@ def cast(
     samples: int,
     max_range: float,
     *,
+    seen: Seen | None = None,
     rows: Ints | None = None,
     out: tuple[Floats, Hits] | None = None,
 ) -> tuple[Floats, Hits]:
@@ -305,6 +313,7 @@ def cast(
         fov: the fan's width in radians, at most 2 pi; both ends are rays.
         samples: rays per sensor; ray 0 is the rightmost, at heading - fov/2.
         max_range: metres; what is farther is not seen.
+        seen: what is left of the scene for these sensors, such as `View.seen`; all unless given.
         rows: (m,) the sensors to cast; all unless given.
         out: arrays to write into, for reuse; rows that are not cast keep their content.
 
@@ -320,7 +329,7 @@ def cast(
     if rows is None:
         rows = np.arange(len(places))
     cast_fans(
-        scene.arrays,
+        scene.arrays if seen is None else seen,
         places,
         own,
         rows,

@@ -7,13 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from .grid import Bodies, Flags, Floats, Ints, Walls, place_bodies, wall_grid
-from .solids import Solids, sort_solids
+from .eyes import EVERY_EYE
+from .grid import HOLLOW, Flags, Floats, Ints
+from .outlines import Outline, outline_of, polygon_of
+from .sight import Outlines, Seen, Sight, Standing
 
-Seen = tuple[Bodies, Walls, Solids]
-"""What the kernels take: `Scene.arrays`."""
 Colors = npt.NDArray[np.uint32]
-Outline = tuple[Floats, bool, tuple[float, float, float]]
+Levels = npt.NDArray[np.uint8]
+ON_LEVEL = 1e-9
+"""m: a sensor as high as a thing ends or begins still sees it, rounding or not."""
 
 
 class Scene:
@@ -26,6 +28,10 @@ class Scene:
 
     Bodies are solid: a sensor of another entity within one sees nothing but it, at range 0.
     Segments alone are as thin as a sheet; `add_solid` tells what lies within walls made of them.
+    An entity that is not solid is an empty shell: from within, its outline is seen from within.
+
+    Which kinds of sensor see an entity, and between which heights it reaches, is told when it is
+    added: `seen` gives the kernels what one kind of sensor at one height sees.
 
     Write new poses into `poses` (in place) or by `move`, then call `refresh`: sensors see what
     was true at the last `refresh`, except for colours, heights and fiducials, which they see as
@@ -39,6 +45,10 @@ class Scene:
         self._heights = np.ones(16)
         self._fiducials = np.zeros(16, np.int32)
         self._hidden = np.zeros(16, np.bool_)
+        self._hollow = np.zeros(16, np.bool_)
+        self._bottoms = np.zeros(16)
+        self._eyes = np.zeros(16, np.uint8)
+        self._choosy = False  # whether there is anything that not every kind of sensor sees
         self._shapes: list[tuple[int, int, int, int]] = []
         self._bounds: list[tuple[float, float, float]] = []
         self._vertices: list[Floats] = []
@@ -50,11 +60,11 @@ class Scene:
         self._walls_stale = True
         self._wall_entities = np.zeros(0, np.int64)
         self._wall_poses = np.zeros((0, 3))
-        self.arrays: Seen
-        """What the kernels take."""
-        self.bodies: Bodies
-        self.walls: Walls
-        self.solids: Solids
+        self._standing: Standing
+        self._outlines: Outlines
+        self._whole: Sight
+        self._sights: dict[bytes, Sight] = {}  # by which entities are seen
+        self._found: dict[tuple[int, float | None], Sight] = {}  # by eye and height
         self.refresh()
 
     def __len__(self) -> int:
@@ -92,11 +102,19 @@ class Scene:
         height: float = 1.0,
         fiducial: int = 0,
         pose: Sequence[float] = (0.0, 0.0, 0.0),
+        solid: bool = True,
+        seen_by: int = EVERY_EYE,
+        bottom: float = 0.0,
     ) -> int:
-        """Add an entity without shapes and return its index."""
+        """Add an entity without shapes and return its index.
+
+        solid: whether it has an inside. seen_by: bits of `eyes.EYES`. bottom: m, where it begins
+        above the floor; it is `height` high.
+        """
         entity = self._count
         if entity == len(self._poses):
-            for name in ("_poses", "_colors", "_heights", "_fiducials", "_hidden"):
+            for name in ("_poses", "_colors", "_heights", "_fiducials", "_hidden", "_hollow",
+                         "_bottoms", "_eyes"):  # fmt: skip
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
         self._count += 1
@@ -105,6 +123,12 @@ class Scene:
         self._heights[entity] = height
         self._fiducials[entity] = fiducial
         self._hidden[entity] = False
+        self._hollow[entity] = not solid
+        self._bottoms[entity] = bottom
+        self._eyes[entity] = seen_by
+        self._choosy = self._choosy or seen_by != EVERY_EYE
+        self._sights.clear()
+        self._found.clear()
         return entity
 
     def add_polygon(self, entity: int, vertices: npt.ArrayLike) -> None:
@@ -116,9 +140,10 @@ class Scene:
         given = np.array(vertices, np.float64)
         known = self._polygons.get(given.tobytes())
         if known is None:
-            known = self._polygons[given.tobytes()] = _outline(given)
+            known = self._polygons[given.tobytes()] = outline_of(given)
         corners, convex, bounds = known
-        self._shapes.append((entity, self._corners, len(corners), int(convex)))
+        kind = HOLLOW if self._hollow[entity] else int(convex)
+        self._shapes.append((entity, self._corners, len(corners), kind))
         self._bounds.append(bounds)
         self._vertices.append(corners)
         self._corners += len(corners)
@@ -131,7 +156,7 @@ class Scene:
         self._check(entity)
         if not (np.isfinite(radius) and radius > 0.0 and np.isfinite(centre).all()):
             raise ValueError(f"a circle needs a positive radius, not {radius} about {centre}")
-        self._shapes.append((entity, 0, 0, 1))
+        self._shapes.append((entity, 0, 0, HOLLOW if self._hollow[entity] else 1))
         self._bounds.append((float(centre[0]), float(centre[1]), float(radius)))
         self._stale = True
 
@@ -151,7 +176,7 @@ class Scene:
         Nothing of it is seen; its faces are segments of the same entity.
         """
         self._check(entity)
-        self._solids.append((entity, *_polygon(vertices)))
+        self._solids.append((entity, *polygon_of(vertices)))
         self._walls_stale = True
 
     def move(self, entities: npt.ArrayLike, poses: npt.ArrayLike) -> None:
@@ -163,6 +188,45 @@ class Scene:
         self._check(entity)
         self._hidden[entity] = hidden
         self._walls_stale = True
+
+    @property
+    def arrays(self) -> Seen:
+        """What the kernels take, of everything that is not hidden."""
+        return self._whole.arrays
+
+    def seen(self, eye: int = 0, z: float | None = None) -> Seen:
+        """What the kernels take of what a kind of sensor sees, as of the last refresh.
+
+        eye: of `eyes.EYES`, or 0 for one that sees everything. z: how high it looks, in metres;
+        None: it sees things of all heights. Two kinds that see the same get the same arrays.
+        """
+        if z is None and not (self._choosy and eye):
+            return self._whole.arrays
+        sight = self._found.get((eye, z))
+        if sight is None:
+            sight = self._found[eye, z] = self._sight(self.sees(eye, z))
+        return sight.arrays
+
+    def sees(self, eye: int, z: float | None) -> Flags:
+        """(E,) which entities a kind of sensor at a height would see, if nothing hid them."""
+        seen = np.ones(self._count, np.bool_)
+        if eye:
+            seen &= (self._eyes[: self._count] & eye) != 0
+        if z is not None:
+            bottoms = self._bottoms[: self._count]
+            seen &= (bottoms <= z + ON_LEVEL) & (bottoms + self.heights >= z - ON_LEVEL)
+        return seen
+
+    def _sight(self, seen: Flags) -> Sight:
+        """The sight of these entities (E,), ready for use."""
+        if seen.all():
+            return self._whole
+        key = seen.tobytes()
+        if key not in self._sights:
+            sight = self._sights[key] = Sight(self._outlines, seen)
+            sight.sort_walls(self._standing, self.hidden)
+            sight.place(self._poses, self.hidden)
+        return self._sights[key]
 
     def refresh(self) -> None:
         """Bring what sensors see up to date with the poses.
@@ -177,30 +241,18 @@ class Scene:
         if self._walls_stale or (
             walls.size and not np.array_equal(self._poses[walls], self._wall_poses)
         ):
-            self._sort_walls()
+            self._place_walls()
             changed = True
-        if changed:
-            self.arrays = (self.bodies, self.walls, self.solids)
-        bounds, shapes, vertices, frame, start, items = self.bodies
-        lost = place_bodies(
-            self._poses,
-            self._hidden,
-            shapes,
-            self._bounds_local,
-            self._vertices_local,
-            bounds,
-            vertices,
-            start,
-            items,
-            self._cells,
-            frame,
-        )
-        if lost >= 0:
-            raise ValueError(f"the pose of entity {lost} is not finite: {self._poses[lost]}")
+        for sight in (self._whole, *self._sights.values()):
+            if changed:
+                sight.sort_walls(self._standing, self.hidden)
+            lost = sight.place(self._poses, self.hidden)
+            if lost >= 0:
+                raise ValueError(f"the pose of entity {lost} is not finite: {self._poses[lost]}")
 
     def world_edges(self) -> tuple[Floats, Ints]:
         """All visible straight edges as of the last refresh: (m, 4) x1, y1, x2, y2, entity (m,)."""
-        _, shapes, vertices, *_ = self.bodies
+        _, shapes, vertices, *_ = self._whole.bodies
         edges = [np.empty((0, 4))]
         owners = [np.empty(0, np.int64)]
         for entity, first, count, _ in shapes:
@@ -208,14 +260,14 @@ class Scene:
                 corners = vertices[first : first + count]
                 edges.append(np.hstack([corners, np.roll(corners, -1, axis=0)]))
                 owners.append(np.full(count, entity))
-        segments = self.walls[0]
+        _, (segments, wall_owners, *_), _ = self.arrays
         edges.append(np.hstack([segments[:, :2], segments[:, :2] + segments[:, 2:]]))
-        owners.append(self.walls[1])
+        owners.append(wall_owners)
         return np.concatenate(edges), np.concatenate(owners)
 
     def world_circles(self) -> tuple[Floats, Ints]:
         """All visible circles as of the last refresh: (m, 3) x, y, radius, and entity (m,)."""
-        bounds, shapes, *_ = self.bodies
+        bounds, shapes, *_ = self._whole.bodies
         rows = (shapes[:, 2] == 0) & ~self._hidden[shapes[:, 0]]
         return bounds[rows], shapes[rows, 0]
 
@@ -224,22 +276,22 @@ class Scene:
             raise IndexError(f"no entity {entity}: the scene has {self._count}")
 
     def _allocate(self) -> None:
-        shapes = np.array(self._shapes, np.int64).reshape(-1, 4)
-        self._bounds_local = np.array(self._bounds, np.float64).reshape(-1, 3)
-        self._vertices_local = np.concatenate([np.empty((0, 2)), *self._vertices])
-        count = len(shapes)
-        self._cells = np.zeros(count, np.int64)
-        self.bodies = (
-            np.zeros((count, 3)),
-            shapes,
-            np.zeros_like(self._vertices_local),
-            np.zeros(6),
-            np.zeros(2 * count + 66, np.int64),
-            np.zeros(count, np.int64),
+        """Make room for all shapes that there are."""
+        vertices = np.concatenate([np.empty((0, 2)), *self._vertices])
+        self._outlines = Outlines(
+            bounds_local=np.array(self._bounds, np.float64).reshape(-1, 3),
+            vertices_local=vertices,
+            bounds=np.zeros((len(self._shapes), 3)),
+            shapes=np.array(self._shapes, np.int64).reshape(-1, 4),
+            vertices=np.zeros_like(vertices),
         )
+        self._whole = Sight(self._outlines, None)
+        self._sights.clear()
+        self._found.clear()
         self._stale = False
 
-    def _sort_walls(self) -> None:
+    def _place_walls(self) -> None:
+        """Put all walls where their entities are."""
         standing = {e for e, _ in self._walls} | {e for e, _, _ in self._solids}
         self._wall_entities = np.array(sorted(standing), np.int64)
         self._wall_poses = self._poses[self._wall_entities].copy()
@@ -253,17 +305,16 @@ class Scene:
             long = (start != end).any(axis=1)
             placed.append(np.hstack([start, end - start])[long])
             owners.append(np.full(int(long.sum()), entity, np.int64))
-        walls = np.ascontiguousarray(np.concatenate(placed))
-        self.walls = (walls, np.concatenate(owners), *wall_grid(walls))
-        corners, pieces, count = [np.empty((0, 2))], [], 0
-        for entity, vertices, hollow in self._solids:
-            if not self._hidden[entity]:
-                pieces.append((entity, count, len(vertices), int(hollow)))
-                corners.append(self._placed(entity, vertices))
-                count += len(vertices)
-        self.solids = sort_solids(
-            np.ascontiguousarray(np.concatenate(corners)),
-            np.array(pieces, np.int64).reshape(-1, 4),
+        whose = np.concatenate(owners)
+        self._standing = Standing(
+            np.concatenate(placed),
+            whose,
+            self._hollow[whose],
+            [
+                (entity, self._placed(entity, vertices), hollow)
+                for entity, vertices, hollow in self._solids
+                if not self._hidden[entity]
+            ],
         )
         self._walls_stale = False
 
@@ -273,38 +324,3 @@ class Scene:
         cos, sin = np.cos(heading), np.sin(heading)
         placed: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
         return placed
-
-
-def _outline(vertices: Floats) -> Outline:
-    """A polygon's corners (k, 2) counter-clockwise, whether it is convex, and its bounding circle.
-
-    Raises:
-        ValueError: it has fewer than three vertices, is not finite or without an area.
-    """
-    corners, _ = _polygon(vertices)
-    edges = np.roll(corners, -1, axis=0) - corners
-    after = np.roll(edges, -1, axis=0)
-    turns = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
-    # All turns to the left, and once round in all: a star turns left too, but twice round.
-    angles = np.arctan2(turns, np.sum(edges * after, axis=1))
-    convex = bool((turns >= 0.0).all() and abs(angles.sum() - 2.0 * np.pi) < 1.0)
-    centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-    radius = float(np.hypot(*(corners - centre).T).max()) * (1.0 + 1e-12)
-    return corners, convex, (float(centre[0]), float(centre[1]), radius)
-
-
-def _polygon(vertices: npt.ArrayLike) -> tuple[Floats, bool]:
-    """The vertices (k, 2) of a polygon counter-clockwise, and whether they were clockwise.
-
-    Raises:
-        ValueError: fewer than three, not finite, or without an area.
-    """
-    corners = np.array(vertices, np.float64)
-    if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
-        raise ValueError(f"a polygon needs (k, 2) vertices with k >= 3, not {corners.shape}")
-    own = corners - corners[:1]
-    before = np.roll(own, 1, axis=0)
-    area = float(np.sum(before[:, 0] * own[:, 1] - before[:, 1] * own[:, 0]))
-    if not np.isfinite(corners).all() or area == 0.0:
-        raise ValueError(f"a polygon needs finite vertices and an area: {corners.tolist()}")
-    return (corners[::-1].copy() if area < 0.0 else corners), area < 0.0

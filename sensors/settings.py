@@ -67,6 +67,12 @@ class SensorSettings(BaseModel):
         unit="m, m, deg",
         description="where the sensor sits on its robot, and where it looks",
     )
+    z: Number | None = setting(
+        None,
+        unit="m",
+        description="how high it sits: it sees over what ends lower and under what begins higher; "
+        "null: it sees things of all heights",
+    )
 
     @cached_property
     def mount(self) -> tuple[float, float, float]:

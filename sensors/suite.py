@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 
+from .eyes import EYE_OF_KIND
 from .grid import Flags, Floats, Ints
 from .noise import Keys, stream_key
 from .rays import cast_for
@@ -47,6 +48,11 @@ class Group:
     everybody: Ints = field(default_factory=lambda: np.zeros(0, np.int64), repr=False)
     fan: Fan | None = field(default=None, repr=False)
     """The rays that are cast for the batch before it senses."""
+
+    @property
+    def eye(self) -> int:
+        """The kind of sensor by which things may be seen or not, of `eyes.EYES`."""
+        return EYE_OF_KIND[self.type.kind]
 
     @property
     def kind(self) -> str:
@@ -128,7 +134,11 @@ class Suite:
             self._choose(flags)
             self._told = told
         for groups in self._together:
-            self._sense(groups, tick, time)
+            if len(groups) > 1 and not self._see_the_same(groups):
+                for group in groups:
+                    self._sense((group,), tick, time)
+            else:
+                self._sense(groups, tick, time)
 
     def _choose(self, flags: Flags | None) -> None:
         """Find each group's wanted rows; the array stays the same one until others are wanted."""
@@ -140,6 +150,11 @@ class Suite:
                 )
             alike = flags is None or all(np.array_equal(g.rows, groups[0].rows) for g in groups)
             self._together += [groups] if alike else [(group,) for group in groups]
+
+    def _see_the_same(self, groups: tuple[Group, ...]) -> bool:
+        """Whether there is nothing that some of these see and others do not."""
+        first, *rest = [self.scene.seen(group.eye, group.settings.z) for group in groups]
+        return all(seen is first for seen in rest)
 
     def _sense(self, groups: tuple[Group, ...], tick: int, time: float) -> None:
         """Sense with the same rows of groups that are cast together."""
@@ -162,6 +177,8 @@ class Suite:
                     tick,
                     time,
                     self.contacts,
+                    group.eye,
+                    group.settings.z,
                 )
             )
             if rows is group.everybody:
@@ -171,9 +188,7 @@ class Suite:
         sense_rows(groups, views)
 
     def place(self, robot: int, sensor_index: int) -> tuple[Group, int]:
-        """Where a sensor's readings stand: its group, and its row in it."""
-        if self._new:
-            self._admit()
+        """Where a sensor's readings stand from the next `sense` on: its group and its row."""
         first = self.first_slot[robot]
         last = self.first_slot[robot + 1] if robot + 1 < len(self.first_slot) else self.slots
         if not 0 <= sensor_index < last - first:
@@ -182,6 +197,8 @@ class Suite:
 
     def reading(self, robot: int, sensor_index: int) -> Reading:
         """The last reading of a sensor: views into the batch, which the next `sense` overwrites."""
+        if self._new:
+            self._admit()
         group, row = self.place(robot, sensor_index)
         return Reading(float(group.times[row]), group.readings.row(row))
 

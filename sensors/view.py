@@ -10,6 +10,7 @@ import numpy.typing as npt
 from .compiled import compiled
 from .grid import Floats, Ints
 from .scene import Scene
+from .sight import Seen
 
 
 @dataclass
@@ -53,6 +54,16 @@ class View:
     time: float
     """Simulated seconds."""
     contacts: Contacts
+    eye: int = 0
+    """The kind of sensor, of `sensors.eyes.EYES`: some things are not seen by all kinds; 0: one
+    that sees everything."""
+    z: float | None = None
+    """How high the sensors sit, in metres; None: they see things of all heights."""
+
+    @property
+    def seen(self) -> Seen:
+        """What of the scene these sensors see, for `sensors.cast`."""
+        return self.scene.seen(self.eye, self.z)
 
 
 @compiled

@@ -87,11 +87,15 @@ class Ports:
         self.shared.directory.time = self.context.time
         return self.shared.serve(d for d in devices if not isinstance(d, Simulation))
 
+    def serves(self, robot: Robot) -> bool:
+        """Whether a robot is to be reached from outside."""
+        return self.open or robot.driver.kind in ("command", "external")
+
     def serve(self, robot: Robot, index: int) -> int | None:
         """Open the robot's port, if it is to be reached from outside; the port's number."""
         self.server.max_connections = CONNECTIONS + CONNECTIONS_PER_ROBOT * (robot.index + 1)
         driver = robot.driver
-        if not self.open and driver.kind not in ("command", "external"):
+        if not self.serves(robot):
             return None
         if self.shared is not None:
             number = self.shared.directory.port

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -38,13 +39,15 @@ class Scenery:
         """
         robot = self.stage.add_robot(model_name, pose)
         entity = self.surroundings.add_robot(name, model, pose)
-        noise = model.odometry_noise
+        noise, origin = model.odometry_noise, model.odometry_origin
         self.odometry.add_robot(
             name,
             tuple(map(float, pose)),
             gps=model.localization == "gps",
             slip=noise.slip if noise else 0.0,
             turn=noise.turn if noise else 0.0,
+            bias=noise.bias if noise else (0.0, 0.0, 0.0),
+            frame=None if origin is None else (*origin[:2], math.radians(origin[2])),
         )
         return robot, entity
 

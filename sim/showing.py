@@ -8,13 +8,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.silhouette import silhouette
 from sim.stage.boundary import touchable
-from sim.stage.geometry import outline, placed
+from sim.stage.geometry import placed
+from sim.video.palette import GROUND, mix
 from sim.video.snapshot import Backdrop, Drawing, Shape
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
+    from sim.stage.layout import Look
 
+PALE = 0.6
+"""The share of the ground's colour in that of things which robots can drive over or under."""
 FARTHEST = 1e6
 """Metres: figures that reach beyond are not drawn."""
 
@@ -39,7 +44,12 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
     boundary behind them is not shown.
     """
     layout, world = loaded.layout, loaded.world
-    solids = [(solid.vertices, solid.color) for solid in layout.solids]
+    solids = [(one.vertices, one.look.color) for one in layout.solids if stops_robots(one.look)]
+    marks = [
+        (one.vertices, mix(one.look.color, GROUND, PALE))
+        for one in layout.solids
+        if not stops_robots(one.look)
+    ]
     wall = world.boundary
     if wall is not None and layout.raster is not None and wall.shape == "size":
         count = len(layout.arena)
@@ -47,15 +57,22 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
         solids = [(piece, wall.color) for piece in pieces] + solids[count:]
     return Backdrop(
         size=layout.size,
+        low=layout.low,
         solids=solids,
+        marks=marks,
         doors=[door.rectangle for door in layout.doors],
         title=world.name or loaded.path.stem,
     )
 
 
+def stops_robots(look: Look) -> bool:
+    """Whether a thing takes up floor: what does not is shown pale, and under the robots."""
+    return look.solid and look.z == 0.0
+
+
 def shape_of(body: Any) -> Shape:
     """A body's outline in its own frame, or its radius."""
-    return body.radius if body.shape == "circle" else outline(body)
+    return body.radius if body.shape == "circle" else silhouette(body)
 
 
 def movables_of(loaded: LoadedWorld) -> list[tuple[Shape, int]]:

@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sensors.eyes import eyes
+from sensors.noise import random_color
 from sensors.scene import Scene
 from sensors.suite import Suite
-from sim.stage.geometry import outline
+from sim.stage.geometry import faces
+from sim.worldfile.values import RANDOM
 
 if TYPE_CHECKING:
     from sim.stage.layout import Layout
@@ -34,16 +37,19 @@ class Surroundings:
         self._add_walls(layout)
         self.movables = np.array(
             [
-                self._add_body(movable.body, movable.color, movable.height, 0, movable.pose)
+                self._add_body(movable.body, movable.body.fiducial or 0, movable.pose)
                 for movable in layout.movables
             ],
             np.int64,
         )
+        for landmark in layout.landmarks:
+            self._add_body(landmark.body, landmark.body.fiducial, landmark.pose)
 
     def add_robot(self, name: str, model: Model, pose: Any) -> int:
         """A robot enters: what others see of it, and its sensors. Its entity in the scene."""
         body = model.body
-        entity = self._add_body(body, body.color, body.height, model.fiducial or 0, pose)
+        color = random_color(self.suite.seed, name) if body.color == RANDOM else body.color
+        entity = self._add_body(body, model.fiducial or 0, pose, color)
         if self.count == len(self._entities):
             self._entities = np.concatenate([self._entities, np.zeros_like(self._entities)])
         self._entities[self.count] = entity
@@ -70,28 +76,45 @@ class Surroundings:
         self.scene.refresh()
 
     def _add_walls(self, layout: Layout) -> None:
-        """One entity for what stands of each colour and height."""
+        """One entity for what stands and looks alike."""
         scene, entities = self.scene, {}
-        faces = list(zip(layout.segment_colors, layout.segment_heights, strict=True))
-        rounds = [(solid, solid.circle) for solid in layout.solids if solid.circle is not None]
-        for look in dict.fromkeys([*faces, *((solid.color, solid.height) for solid, _ in rounds)]):
-            color, height = look
-            entity = scene.add_entity(color=int(color), height=float(height))
-            entities[look] = entity
-            same = (layout.segment_colors == color) & (layout.segment_heights == height)
-            scene.add_segments(entity, layout.segments[same])
+        rounds = [
+            (solid, solid.circle)
+            for solid in layout.solids
+            if solid.circle is not None and not solid.landmark
+        ]
+        for look in dict.fromkeys([*layout.looks, *(solid.look for solid, _ in rounds)]):
+            entities[look] = scene.add_entity(
+                color=look.color,
+                height=look.height,
+                solid=look.solid,
+                seen_by=look.seen_by,
+                bottom=look.z,
+            )
+        for number, look in enumerate(layout.looks):
+            scene.add_segments(entities[look], layout.segments[layout.segment_looks == number])
         for solid in layout.insides:
-            scene.add_solid(entities[solid.color, solid.height], solid.vertices)
+            scene.add_solid(entities[solid.look], solid.vertices)
         for solid, (x, y, radius) in rounds:
-            scene.add_circle(entities[solid.color, solid.height], radius, (x, y))
+            scene.add_circle(entities[solid.look], radius, (x, y))
 
-    def _add_body(self, body: Any, color: int, height: float, fiducial: int, pose: Any) -> int:
-        """A body that sensors see; its entity."""
+    def _add_body(self, body: Any, fiducial: int, pose: Any, color: int | None = None) -> int:
+        """A body of the schema that sensors see, with a fiducial or 0; its entity.
+
+        color: 0xRRGGBB, in place of the body's own.
+        """
         entity = self.scene.add_entity(
-            color=color, height=height, fiducial=fiducial, pose=tuple(map(float, pose))
+            color=body.color if color is None else color,
+            height=body.height,
+            fiducial=fiducial,
+            pose=tuple(map(float, pose)),
+            solid=body.solid,
+            seen_by=eyes(body.seen_by),
+            bottom=body.z,
         )
-        if body.shape == "circle":
-            self.scene.add_circle(entity, body.radius)
-        else:
-            self.scene.add_polygon(entity, outline(body))
+        for vertices, circle in faces(body):
+            if circle is not None:
+                self.scene.add_circle(entity, circle[2], circle[:2])
+            else:
+                self.scene.add_polygon(entity, vertices)
         return entity

@@ -110,6 +110,7 @@ def run_file(
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
+        from sim.rehearsal import is_served, rehearse  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.warm import warm_once  # noqa: PLC0415
@@ -130,6 +131,8 @@ def run_file(
             patience=patience or math.inf,
             fail_fast=fail_fast,
         )
+        if is_served(loaded, address, controllers):
+            rehearse(loaded, told.seed)
         interrupts.hold()
         if own:
             ending.callback(interrupts.release)

@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +32,7 @@ from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
+from sim.rehearsal import is_served, rehearse
 from troupe.readings import Place, Readings, find_sensor, readings_of
 from troupe.running import check_log, log_of, open_log_of
 from troupe.setting import as_text
@@ -41,7 +42,7 @@ from troupe.world import World, loaded_world
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
     from sim.log.recorder import Recorder
-    from sim.result import Outcome, Result
+    from sim.result import ControllerState, Outcome, Result
     from sim.video.snapshot import Snapshot
     from troupe.live.window import Window
 
@@ -55,6 +56,15 @@ class RunError(RuntimeError):
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message)
         self.result = result
+
+
+class Entered(NamedTuple):
+    """A robot's entry: its time (s), who entered, and its pose x, y (m), yaw (rad)."""
+
+    time: float
+    name: str
+    model: str
+    pose: tuple[float, float, float]
 
 
 @dataclass
@@ -79,6 +89,9 @@ class Simulation:
         duration: simulated seconds at most; the world's unless given.
         set: changes to the world, such as `{"clock.interval": 0.05}`.
         listen: (host, port), where Player clients can connect.
+        realtime: simulated seconds per wall-clock second, to which steps are held; as fast as
+            possible unless given.
+        free: nobody waits for Player clients from outside, and steps are held to real time.
         patience: wall-clock seconds that a process may keep the others waiting.
         log: an MCAP file in which the run is kept, see docs/logs.md; the world file's unless given.
             It is whole when the simulation is closed. A run after `reset` has its own, whose name
@@ -102,6 +115,8 @@ class Simulation:
         duration: float | None = None,
         set: Mapping[str, Any] | None = None,
         listen: tuple[str, int] | None = None,
+        realtime: float | None = None,
+        free: bool = False,
         patience: float = 60.0,
         log: str | Path | None = None,
         log_sensors: Sequence[str] | None = None,
@@ -114,6 +129,8 @@ class Simulation:
         self._settings = Settings(
             seed=checked_seed(self._loaded.world.seed if seed is None else seed),
             duration=self._loaded.world.duration if duration is None else duration,
+            realtime=realtime,
+            free=free,
             listen=listen,
             patience=patience,
         )
@@ -121,6 +138,8 @@ class Simulation:
         self._own = True
         self._lock: contextlib.AbstractContextManager[object] = contextlib.nullcontext()
         self._window: Window | None = None
+        if is_served(self._loaded, listen, self._controllers):
+            rehearse(self._loaded, self._settings.seed)
         self._begin()
 
     @classmethod
@@ -226,11 +245,14 @@ class Simulation:
             raise ValueError(f"step(n): n must be at least 1 (given: {n})")
         if not self._end.alive:
             raise RuntimeError("this simulation has been closed; reset() starts it anew")
+        if self._engine.crew.interrupted:
+            return  # `stop` may come at any moment
         if self.over:
             raise RuntimeError(
                 f"the run is over at {self.time:g} s ({self.outcome}); reset() starts it anew"
             )
         for _ in range(n):
+            self._engine.keep_pace()
             try:
                 with self._lock:
                     if not self._engine.advance():
@@ -243,12 +265,25 @@ class Simulation:
                 self.close()
                 raise RunError(str(error), self.result()) from error.__cause__
 
+    def stop(self) -> None:
+        """End the run as `interrupted`, from another thread, say: steps do nothing any more.
+
+        One that waits for clients meanwhile ends when one of them says something, and within a
+        second at the latest.
+        """
+        self._engine.crew.interrupted = True
+
     # -- what there is ------------------------------------------------------------------------
 
     @property
     def world(self) -> str:
         """The world's file, as results name it."""
         return label(self._loaded.path)
+
+    @property
+    def loaded(self) -> LoadedWorld:
+        """The world, read and checked."""
+        return self._loaded
 
     @property
     def time(self) -> float:
@@ -286,6 +321,17 @@ class Simulation:
         return [robot.name for robot in self._engine.robots]
 
     @property
+    def entries(self) -> list[Entered]:
+        """Of every robot: when it entered, its name, model and pose."""
+        records = [robot.record for robot in self._engine.robots]
+        return [Entered(one.entered, one.name, one.model, one.start) for one in records]
+
+    @property
+    def states(self) -> list[ControllerState]:
+        """(n,) the state of each robot's controller, as in results."""
+        return [robot.record.state for robot in self._engine.robots]
+
+    @property
     def poses(self) -> Floats:
         """(n, 3) x, y in metres and yaw in radians, in the world: the truth."""
         return self._engine.scenery.stage.poses.copy()
@@ -294,6 +340,11 @@ class Simulation:
     def velocities(self) -> Floats:
         """(n, 3) vx, vy in m/s and wz in rad/s, in each robot's frame, as the bodies move."""
         return self._engine.scenery.stage.velocities.copy()
+
+    @property
+    def movable_poses(self) -> Floats:
+        """(m, 3) x, y, yaw of the obstacles that can be pushed."""
+        return self._engine.scenery.stage.movable_poses.copy()
 
     @property
     def odometry(self) -> Floats:
@@ -309,6 +360,14 @@ class Simulation:
     def contacts(self) -> NDArray[np.int64]:
         """(n,) how often each has begun to touch another body or a wall."""
         return self._engine.scenery.stage.contact_counts.copy()
+
+    def floor(self) -> NDArray[np.int16] | None:
+        """(rows, columns) who painted each cell last: 1 + robot, 0 for nobody; row 0 is at y = 0.
+
+        None where nobody has painted.
+        """
+        floor = self._engine.scenery.floor
+        return floor.owner.copy() if floor.painted_area > 0.0 else None
 
     def readings(self, sensor: str) -> Readings:
         """What a sensor (`laser`, `laser:1`) of every robot that has it reads now.
@@ -433,7 +492,7 @@ class Simulation:
 
     # -- what comes out of it -----------------------------------------------------------------
 
-    def snapshot(self) -> Snapshot:
+    def view(self) -> Snapshot:
         """What this moment shows, as plain arrays that are read at once."""
         from sim.filming import Film  # noqa: PLC0415
 
@@ -450,7 +509,7 @@ class Simulation:
         picture = Picture(backdrop_of(self._loaded), size)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
-        return np.ascontiguousarray(picture.draw(self.snapshot())[:, :, ::-1])
+        return np.ascontiguousarray(picture.draw(self.view())[:, :, ::-1])
 
     def show(
         self,

@@ -6,7 +6,7 @@ import math
 from controllers.perception import free_ahead
 from player import FiducialProxy, LaserProxy, PlayerClient, Position2dProxy, SimulationProxy
 
-PLACES = {1: 1 + 7j, 2: 6 + 7j, 3: 11 + 7j, 4: 1 + 1j, 5: 6 + 1j, 6: 11 + 1j}
+PLACES = {1: -5 + 3j, 2: 3j, 3: 5 + 3j, 4: -5 - 3j, 5: -3j, 6: 5 - 3j}
 """x + 1j * y of the landmarks in the world, metres."""
 
 with PlayerClient() as robot:

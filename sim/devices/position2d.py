@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import partial
 
 from player import DeviceAddr
 from player.codes import Interface
@@ -76,7 +77,7 @@ class Position2d:
             return
         numbers = NUMBERS[name](values)
         if finite(*numbers):
-            self.context.later(self.robot, lambda: obey(values), DRIVE)
+            self.context.later(self.robot, partial(obey, values), DRIVE)
             return
         self.context.later(self.robot, self.stop, DRIVE)
         told = ", ".join(f"{number:g}" for number in numbers)

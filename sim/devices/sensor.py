@@ -7,7 +7,7 @@ from sensors.laser import LaserSettings
 from sensors.ranger import RangerSettings
 from sensors.suite import Group
 from sim.devices.device import Context, Values
-from sim.devices.encoding import Encodings
+from sim.devices.encoding import Encodings, GroupEncoder
 from sim.robot import Robot
 
 SENSOR_SIZE = (0.02, 0.02, 0.02)
@@ -28,6 +28,7 @@ class SensorDevice:
         self.sensor = sensor
         group, self.row = context.scenery.suite.place(robot.index, sensor)
         self.group: Group = group
+        self.encoders: dict[str, GroupEncoder] = {}
 
     @property
     def mount(self) -> tuple[float, float, float]:
@@ -46,7 +47,10 @@ class SensorDevice:
 
     def payload(self, message: str) -> bytes:
         """This tick's reading as one of the messages that are encoded in batches."""
-        return self.encodings.payload(self.group, message, self.row)
+        encoder = self.encoders.get(message)
+        if encoder is None:
+            encoder = self.encoders[message] = self.encodings.encoder(self.group, message)
+        return encoder.payload(self.row, self.encodings.round)
 
     def command(self, name: str, values: Values) -> None:
         """There are no commands."""

@@ -160,10 +160,11 @@ class Simulation:
         elif key == "color":
             value = color_bytes(self.target(values["name"]).color)
         else:
-            properties = self.target(values["name"]).record.properties
+            target = self.target(values["name"])
+            properties = target.record.properties
             if key not in properties and not self.just_told(values):
                 raise Refused
-            value = json.dumps(properties.get(key)).encode()
+            value = target.raw_properties.get(key) or json.dumps(properties.get(key)).encode()
         value = self.just_told(values) or value
         # Player's client copies as many bytes as it sent: never give it fewer
         value = value.ljust(len(values["value"]), b"\0")
@@ -192,17 +193,19 @@ class Simulation:
             return
         if len(data) > LONGEST_VALUE or len(key) > LONGEST_KEY:
             raise Refused
+        raw = b""
         try:
             value = parse_json(data)
         except ValueError as error:
-            self.refuse(target, key, error)
+            if b"\0" not in data:
+                self.refuse(target, key, error)
+            raw, value = data, f"0x{data.hex()}"  # what a C program has in memory, and no text
         names = target.property_names
         if key not in names and len(names) >= MOST_PROPERTIES:
             raise Refused
         names.add(key)
-        self.told[values["name"], key] = (self.context.time, json.dumps(value).encode())
-        properties = target.record.properties
-        self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
+        self.told[values["name"], key] = (self.context.time, raw or json.dumps(value).encode())
+        self.later(target, f"property {key}", lambda: remember(target, key, value, raw))
 
     def refuse(self, target: Robot, key: str, error: ValueError) -> NoReturn:
         """Say why a value is not taken: a NACK tells its client no more than that it is not."""
@@ -213,6 +216,12 @@ class Simulation:
         """Give a robot's body another colour: cameras see it from the next tick on."""
         self.context.scenery.set_color(target, color)
         target.record.properties["color"] = f"#{color:06x}"
+
+
+def remember(target: Robot, key: str, value: Any, raw: bytes) -> None:
+    """Put down a property of a robot; `raw`: what its clients read of one that is no JSON."""
+    target.record.properties[key] = value
+    target.raw_properties[key] = raw
 
 
 def parse_json(data: bytes) -> Any:

@@ -108,7 +108,8 @@ class Switchboard:
             device.command(event.name, event.message)
         finally:
             context.client = None
-        self.tell_complaints(connection)
+        if context.complaints:
+            self.tell_complaints(connection)
         if context.paused != paused:
             self.paused_by = connection if context.paused else None
         return device

@@ -103,3 +103,5 @@ class Floor:
     rows: int
     columns: int
     resolution: float
+    low: tuple[float, float] = (0.0, 0.0)
+    """x, y in metres of the lower left corner."""

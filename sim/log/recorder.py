@@ -83,6 +83,7 @@ class Recorder:
         self.floor: Floor | None = None
         self.sprayed = False
         self.movables = len(loaded.layout.movables)
+        self.low = loaded.layout.low
         self.wants_odometry = self.sensed.wants("odometry")
         for event in (wall_event(loaded.layout), map_event(loaded.layout)):
             writer.put(event, 0)
@@ -159,7 +160,7 @@ class Recorder:
         floor, stage = engine.scenery.floor, engine.scenery.stage
         owner, cell = floor.owner, floor.resolution
         if self.floor is None:
-            self.floor = Floor(owner.shape[0], owner.shape[1], cell)
+            self.floor = Floor(owner.shape[0], owner.shape[1], cell, self.low)
             self.writer.put(self.floor, 0)
         self.sprayed = bool(engine.spraying.on)
         gone = stage.distances
@@ -174,7 +175,7 @@ class Recorder:
             before = self.distances[robot] if robot < len(self.distances) else 0.0
             # it was never farther from where it is now than it has gone in the tick
             far = self.reach[key] + float(gone[robot] - before)
-            x, y, _ = stage.poses[robot].tolist()
+            x, y = (stage.poses[robot, :2] - self.low).tolist()
             column, row = max(0, int((x - far) / cell)), max(0, int((y - far) / cell))
             last_column, last_row = int((x + far) / cell) + 1, int((y + far) / cell) + 1
             if last_column > 0 and last_row > 0:

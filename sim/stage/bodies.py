@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from sim.stage.geometry import Floats, least_width, outline, reach, signed_area
+from sim.stage.geometry import Floats, girth, outline, pieces, reach, signed_area
 from sim.stage.layout import Solid
+from sim.stage.levels import EVERY_LEVEL
 from sim.stage.limits import SLOP
 
 GRAVITY = 9.81
@@ -50,8 +51,7 @@ class Form:
     moment: float
     """kg m2 about the origin."""
     corners: Floats
-    """(k, 2) counter-clockwise in the body's frame; none for a circle."""
-    points: list[tuple[float, float]]
+    """(k, 2) of the convex hull, counter-clockwise in the body's frame; none for a circle."""
     reach: float
     """m, radius of the circle about the origin that holds the body."""
     girth: float
@@ -60,41 +60,43 @@ class Form:
 
 def form_of(schema: Any) -> Form:
     """The form of a body of the schema."""
-    if schema.shape == "circle":
-        corners, girth = np.zeros((0, 2)), schema.radius
-    else:
-        corners = outline(schema)
-        girth = least_width(corners) / 2
-    return Form(
-        schema,
-        moment_of(schema),
-        corners,
-        [(x, y) for x, y in corners.tolist()],
-        reach(schema),
-        girth,
-    )
+    corners = np.zeros((0, 2)) if schema.shape == "circle" else outline(schema)
+    return Form(schema, moment_of(schema), corners, reach(schema), girth(schema))
 
 
-def shape_of(body: pymunk.Body, form: Form) -> pymunk.Shape:
-    """The shape of a body of a form, attached to a pymunk body at its origin."""
-    shape: pymunk.Shape
-    if form.schema.shape == "circle":
-        shape = pymunk.Circle(body, form.schema.radius)
-    else:
-        shape = pymunk.Poly(body, form.points)
-    shape.friction = form.schema.friction
-    shape.elasticity = 0.0
-    return shape
+def shapes_of(body: pymunk.Body, form: Form) -> list[pymunk.Shape]:
+    """The shapes of a body of a form, attached to a pymunk body at its origin."""
+    found: list[pymunk.Shape] = []
+    for vertices, circle in pieces(form.schema):
+        shape: pymunk.Shape
+        if circle is not None:
+            shape = pymunk.Circle(body, circle[2], circle[:2])
+        else:
+            shape = pymunk.Poly(body, [(x, y) for x, y in vertices.tolist()])
+        shape.friction = form.schema.friction
+        shape.elasticity = 0.0
+        found.append(shape)
+    return found
 
 
 def moment_of(schema: Any) -> float:
-    """Moment of inertia in kg m2 about the body's origin, its mass spread evenly.
+    """Moment of inertia in kg m2 about the body's origin, its mass spread evenly over its parts.
 
     The origin is taken for the centre of mass, for polygons too: a robot turns about its origin.
     """
-    if schema.shape == "circle":
-        return float(pymunk.moment_for_circle(schema.mass, 0.0, schema.radius))
-    return float(pymunk.moment_for_poly(schema.mass, outline(schema).tolist()))
+    area, moment = area_of(schema), 0.0
+    for vertices, circle in pieces(schema):
+        mass = schema.mass * (signed_area(vertices) / area)
+        if circle is not None:
+            moment += float(pymunk.moment_for_circle(mass, 0.0, circle[2], circle[:2]))
+        else:
+            moment += float(pymunk.moment_for_poly(mass, vertices.tolist()))
+    return moment
+
+
+def area_of(schema: Any) -> float:
+    """The area of all parts in m2."""
+    return sum(signed_area(vertices) for vertices, _ in pieces(schema))
 
 
 def dynamic_body(form: Form, pose: tuple[float, float, float]) -> pymunk.Body:
@@ -112,12 +114,9 @@ def floor_friction(ground: pymunk.Body, body: pymunk.Body, schema: Any) -> list[
     2/3 mu m g r.
     """
     force = schema.friction * schema.mass * GRAVITY
-    radius = schema.radius if schema.shape == "circle" else _equal_radius(outline(schema))
+    round_one = schema.shape == "circle"
+    radius = schema.radius if round_one else math.sqrt(area_of(schema) / math.pi)
     return follow(ground, body, force, force * radius * 2.0 / 3.0)
-
-
-def _equal_radius(vertices: Floats) -> float:
-    return math.sqrt(abs(signed_area(vertices)) / math.pi)
 
 
 def follow(
@@ -132,10 +131,18 @@ def follow(
     return [pivot, motor]
 
 
+def limit_to(shape: pymunk.Shape, levels: int) -> None:
+    """Let a shape touch only what shares one of these bits of heights with it."""
+    if levels != EVERY_LEVEL:
+        shape.filter = pymunk.ShapeFilter(categories=levels, mask=levels)
+
+
 def add_solids(space: pymunk.Space, solids: tuple[Solid, ...]) -> dict[int, int]:
-    """Add what stands, one static body per group; returns body id -> group."""
+    """Add what stands and is solid, one static body per group; returns body id -> group."""
     bodies: dict[int, pymunk.Body] = {}
     for solid in solids:
+        if not solid.levels:
+            continue
         if solid.group not in bodies:
             bodies[solid.group] = pymunk.Body(body_type=pymunk.Body.STATIC)
             space.add(bodies[solid.group])
@@ -146,5 +153,6 @@ def add_solids(space: pymunk.Space, solids: tuple[Solid, ...]) -> dict[int, int]
         else:
             shape = pymunk.Circle(body, solid.circle[2], solid.circle[:2])
         shape.friction = solid.friction
+        limit_to(shape, solid.levels)
         space.add(shape)
     return {body.id: group for group, body in bodies.items()}

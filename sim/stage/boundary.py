@@ -54,7 +54,7 @@ def touchable(raster: Raster, size: tuple[float, float], thickness: float) -> li
     a corner reaches around it.
     """
     width, height = size
-    half, t = raster.cell / 2, thickness
+    half, t, low = raster.cell / 2, thickness, np.array(raster.low)
     pieces: list[Floats] = []
     for upright, level, near, far in (
         (False, half, -t, 0.0),  # below
@@ -66,10 +66,10 @@ def touchable(raster: Raster, size: tuple[float, float], thickness: float) -> li
         along = np.arange(half, length, raster.cell)
         across = np.full(len(along), level)
         places = np.stack([across, along] if upright else [along, across], axis=1)
-        ends = np.flatnonzero(np.diff(~raster.is_wall(places), prepend=False, append=False))
+        ends = np.flatnonzero(np.diff(~raster.is_wall(places + low), prepend=False, append=False))
         for first, after in ends.reshape(-1, 2).tolist():
             start = first * raster.cell if first else -t
             end = after * raster.cell if after < len(along) else length + t
             corners = (near, start, far, end) if upright else (start, near, end, far)
-            pieces.append(rectangle(*corners))
+            pieces.append(rectangle(*corners) + low)
     return pieces

@@ -34,6 +34,8 @@ class Touches:
         self._ids: Indices = np.zeros(0, dtype=np.int64)
         self._things: Indices = np.zeros(0, dtype=np.int64)
         self._keys: Indices = np.zeros(0, dtype=np.int64)
+        self.unfelt: set[int] = set()
+        """Things whose touch no bumper feels: they make no stretches."""
         self.robots: Indices = np.zeros(0, dtype=np.int64)
         """(k,) The robot of each contact point of the latest tick, ascending."""
         self.points: Floats = np.zeros((0, 2))
@@ -68,8 +70,9 @@ class Touches:
             points = np.concatenate([points, their_points])
         self._found.clear()
         self._keys, self.robots, self.points, self.stretches = _gather(
-            pairs, points, ends, self._ids, self._things, self._first, self._keys, counts
-        )
+            pairs, points, ends, self._ids, self._things, self._first, self._keys, counts,
+            np.array(sorted(self.unfelt), dtype=np.int64),
+        )  # fmt: skip
 
     @property
     def pairs(self) -> tuple[Indices, Indices]:
@@ -79,12 +82,21 @@ class Touches:
 
 @compiled
 def _gather(
-    pairs: Any, points: Any, ends: Any, ids: Any, things: Any, first: int, before: Any, counts: Any
+    pairs: Any,
+    points: Any,
+    ends: Any,
+    ids: Any,
+    things: Any,
+    first: int,
+    before: Any,
+    counts: Any,
+    unfelt: Any,
 ) -> Any:
     """The tick's touching pairs as sorted keys, their points and their stretches, both sorted.
 
     ends (s,): where each step's rows end. before: the keys of the tick before. A pair's points
     are those of the last step in which it touched. counts goes up per pair that is new.
+    unfelt (u,) ascending: things of which there are no stretches.
     """
     rows = np.empty(2 * len(pairs), dtype=np.int64)
     keys = np.empty(2 * len(pairs), dtype=np.int64)
@@ -123,6 +135,11 @@ def _gather(
             for axis in range(2):
                 places[shown, 1 + axis] = (points[row, c, 0, axis] + points[row, c, 1, axis]) / 2.0
             shown += 1
+        if len(unfelt) > 0:
+            thing = keys[k] % _FACTOR - _HALF
+            at = np.searchsorted(unfelt, thing)
+            if at < len(unfelt) and unfelt[at] == thing:
+                continue
         start, end = points[row, 0, sides[k]], points[row, other, sides[k]]
         if end[0] < start[0] or (end[0] == start[0] and end[1] < start[1]):
             start, end = end, start

@@ -23,12 +23,13 @@ FARTHEST = 255
 class DistanceField:
     """Lower bounds of the distance to the nearest outline of a solid.
 
-    cells (rows, columns) uint8, row 0 at y = 0: chessboard distance in cells, which is never
+    cells (rows, columns) uint8, row 0 lowest: chessboard distance in cells, which is never
     more than the true one. Off the raster nothing is known: the distance is 0 there.
+    frame: metres of a cell, and x, y of the raster's lower left corner.
     """
 
     cells: NDArray[np.uint8]
-    cell: float
+    frame: tuple[float, float, float]
 
 
 def distance_field(layout: Layout) -> DistanceField:
@@ -37,21 +38,24 @@ def distance_field(layout: Layout) -> DistanceField:
     cell = max(FINEST, math.sqrt(width * height / MOST_CELLS), max(width, height) / MOST_CELLS)
     cells = np.full((math.ceil(height / cell), math.ceil(width / cell)), FARTHEST, dtype=np.uint8)
     for solid in layout.solids:
+        if not solid.levels:
+            continue
         outline = solid.vertices
         if solid.circle is not None:
             x, y, radius = solid.circle
             # Sides of a cell at most: such a polygon leaves the circle by a tenth of a cell.
             outline = circle_polygon(radius, max(CIRCLE_SIDES, math.ceil(7 * radius / cell)))
             outline += (x, y)
-        _mark(cells, cell, outline)
+        _mark(cells, cell, outline - layout.low)
     _spread(cells)
-    return DistanceField(cells, cell)
+    return DistanceField(cells, (cell, *layout.low))
 
 
 @compiled
-def clear_of(cells: Any, cell: float, x: float, y: float) -> float:
+def clear_of(cells: Any, frame: Any, x: float, y: float) -> float:
     """A lower bound of the distance in metres from a place to what stands."""
-    row, column = math.floor(y / cell), math.floor(x / cell)
+    cell = frame[0]
+    row, column = math.floor((y - frame[2]) / cell), math.floor((x - frame[1]) / cell)
     if 0 <= row < cells.shape[0] and 0 <= column < cells.shape[1]:
         # Two cells less: the place and the outline may be anywhere in their cells.
         return float(max(0.0, (cells[row, column] - 2.0) * cell))

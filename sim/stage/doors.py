@@ -8,11 +8,11 @@ lingers, robots enter at the steps 1, 3, 5, ...
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.stage.geometry import Floats, outline, placed, reach, separation
+from sim.stage.geometry import Floats, pieces, placed, reach, separation
 
 if TYPE_CHECKING:
     from sim.stage.layout import DoorCell, Layout
@@ -29,6 +29,7 @@ class Doors:
     def __init__(self, layout: Layout, models: Mapping[str, Model], interval: float) -> None:
         self.doors = layout.doors
         self._movables = [movable.body for movable in layout.movables]
+        self._levels = layout.levels
         self.steps: list[list[int]] = [[] for _ in self.doors]
         self._most_reach = max((reach(model.body) for model in models.values()), default=0.0)
         self._ticks = 0
@@ -59,17 +60,19 @@ class Doors:
     def _occupied(self, door: DoorCell, stage: Stage) -> bool:
         """Whether any robot's or movable obstacle's body overlaps a door's cell."""
         corners = door.rectangle
+        entering = self._levels.of(stage.models[door.model].body)
         away = np.hypot(*(stage.poses[:, :2] - door.centre).T)
         half = 0.5 * float(np.hypot(*door.size))
         for robot in np.flatnonzero(away < half + self._most_reach).tolist():
             body = stage.model(robot).body
-            if away[robot] < half + reach(body) and overlaps(
-                placed(outline(body), stage.poses[robot]), corners
-            ):
+            if not self._levels.of(body) & entering:
+                continue
+            if away[robot] < half + reach(body) and fills(body, stage.poses[robot], corners):
                 return True
         return any(
-            overlaps(placed(outline(body), pose), corners)
+            fills(body, pose, corners)
             for body, pose in zip(self._movables, stage.movable_poses, strict=True)
+            if self._levels.of(body) & entering
         )
 
     def filled(self, stage: Stage, ended: Collection[int]) -> bool:
@@ -84,6 +87,6 @@ class Doors:
         return True
 
 
-def overlaps(first: Floats, second: Floats) -> bool:
-    """Whether two convex polygons overlap by more than a touch."""
-    return separation(first, second) < -TOUCH
+def fills(body: Any, pose: Floats, cell: Floats) -> bool:
+    """Whether a body of the schema at a pose overlaps a cell (4, 2) by more than a touch."""
+    return any(separation(placed(vertices, pose), cell) < -TOUCH for vertices, _ in pieces(body))

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from sim.stage.geometry import Floats, distance_to_edges, in_convex, separation, signed_area
+from sim.stage.geometry import (
+    Floats,
+    distance_to_edges,
+    in_convex,
+    pieces,
+    placed,
+    separation,
+    signed_area,
+)
 from sim.stage.layout import Layout
+from sim.stage.levels import EVERY_LEVEL
 
 ROUNDING = 1e-7
 """m by which sums of coordinates and margins may miss: places that just fit do fit."""
@@ -29,18 +39,22 @@ class FreeSpace:
         self.high: Floats = self._arena.max(axis=0)
         self._outlines: list[Floats] = []
         self._margins: list[float] = []
+        self._levels: list[int] = []
         self._bounds = np.zeros((64, 4))
-        standing = {solid.vertices.tobytes() for solid in layout.solids}
         for solid in layout.solids:
-            self.occupy(solid.vertices, 0.0)
-        for vertices in layout.obstacles if movable else ():
-            if vertices.tobytes() not in standing:
-                self.occupy(vertices, 0.0)
+            self.occupy(solid.vertices, 0.0, solid.levels)
+        for one in layout.movables if movable else ():
+            self.add_body(one.body, one.pose, layout.levels.of(one.body))
         for door in layout.doors if doors else ():
             self.occupy(door.rectangle, 0.0)
 
-    def occupy(self, vertices: Floats, margin: float) -> None:
-        """Add a convex outline (k, 2) that others must stay `margin` metres away from."""
+    def occupy(self, vertices: Floats, margin: float, levels: int = EVERY_LEVEL) -> None:
+        """Add a convex outline (k, 2) that others must stay `margin` metres away from.
+
+        levels: the bits of the heights at which it stands; who shares none is not kept away.
+        """
+        if not levels:
+            return
         count = len(self._outlines)
         if count == len(self._bounds):
             self._bounds = np.concatenate([self._bounds, np.zeros_like(self._bounds)])
@@ -48,6 +62,20 @@ class FreeSpace:
         self._bounds[count, 2:] = vertices.max(axis=0) + margin
         self._outlines.append(vertices)
         self._margins.append(margin)
+        self._levels.append(levels)
+
+    def add_body(self, body: Any, pose: ArrayLike, levels: int) -> None:
+        """Add the parts of a body of the schema that stands at a pose (x, y, yaw)."""
+        for vertices, _ in pieces(body):
+            self.occupy(placed(vertices, pose), 0.0, levels)
+
+    def hit_by(self, body: Any, pose: ArrayLike, tolerance: float, levels: int) -> int | None:
+        """The number of an outline that a body would overlap by more than `tolerance` metres."""
+        for vertices, _ in pieces(body):
+            other = next(self.overlapped(placed(vertices, pose), tolerance, levels), None)
+            if other is not None:
+                return other
+        return None
 
     def mark(self) -> int:
         """How many outlines there are: to go back to."""
@@ -57,6 +85,7 @@ class FreeSpace:
         """Forget the outlines added since."""
         del self._outlines[mark:]
         del self._margins[mark:]
+        del self._levels[mark:]
 
     def holds(self, points: Floats) -> bool:
         """Whether all points (n, 2) are where robots may be."""
@@ -73,7 +102,7 @@ class FreeSpace:
         width, height = np.maximum(self.high - self.low - margin, 0.0)
         return bool(count * each > min(width * height, signed_area(self._arena)))
 
-    def fits(self, vertices: Floats, margin: float) -> bool:
+    def fits(self, vertices: Floats, margin: float, levels: int = EVERY_LEVEL) -> bool:
         """Whether a body with this outline is in the region and far enough from everything.
 
         Far enough: `margin`, or the other's margin if that is more; the region's edges too.
@@ -89,7 +118,7 @@ class FreeSpace:
             # The corner of a convex body is what comes nearest to a convex region's edge.
             if margin > 0 and distance_to_edges(vertices, self._arena).min() < margin - ROUNDING:
                 return False
-        for index in self._near(low, high):
+        for index in self._near(low, high, levels):
             least = max(margin, self._margins[index])
             gap = separation(vertices, self._outlines[index])
             if gap < least - ROUNDING or gap <= 0.0:
@@ -110,13 +139,15 @@ class FreeSpace:
         x = np.concatenate([start[:, 0] + part * (end[:, 0] - start[:, 0]), end[rise == 0.0, 0]])
         return float(x.min()), float(x.max())
 
-    def overlapped(self, vertices: Floats, tolerance: float) -> Iterator[int]:
+    def overlapped(
+        self, vertices: Floats, tolerance: float, levels: int = EVERY_LEVEL
+    ) -> Iterator[int]:
         """Numbers of the outlines that overlap this one by more than `tolerance` metres."""
-        for index in self._near(vertices.min(axis=0), vertices.max(axis=0)):
+        for index in self._near(vertices.min(axis=0), vertices.max(axis=0), levels):
             if separation(vertices, self._outlines[index]) < -tolerance:
                 yield index
 
-    def _near(self, low: Floats, high: Floats) -> list[int]:
+    def _near(self, low: Floats, high: Floats, levels: int) -> list[int]:
         bounds = self._bounds[: len(self._outlines)]
         near: NDArray[np.int64] = np.nonzero(
             (bounds[:, 0] <= high[0])
@@ -124,4 +155,4 @@ class FreeSpace:
             & (bounds[:, 2] >= low[0])
             & (bounds[:, 3] >= low[1])
         )[0]
-        return [int(index) for index in near]
+        return [int(index) for index in near if self._levels[index] & levels]

@@ -20,7 +20,7 @@ class FloorPaint:
     """The paint layer of a world.
 
     `owner` (rows, columns) int16: 0 for bare floor, r + 1 for what robot r painted last; row 0
-    lies at y = 0. `visits` (rows, columns) counts how often a sprayer came over a cell. Only
+    lies lowest. `visits` (rows, columns) counts how often a sprayer came over a cell. Only
     cells whose centre lies in the region and in no wall or obstacle count; the others are never
     painted. `resolution` is the cells' width in metres.
     """
@@ -42,8 +42,8 @@ class FloorPaint:
         if self._ready:
             return
         rows, columns = self._shape
-        x = (np.arange(columns) + 0.5) * self.resolution
-        y = (np.arange(rows) + 0.5) * self.resolution
+        x = (np.arange(columns) + 0.5) * self.resolution + self._layout.low[0]
+        y = (np.arange(rows) + 0.5) * self.resolution + self._layout.low[1]
         centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         self._counts = self._layout.inside(centres).reshape(rows, columns)
         self._cells = int(self._counts.sum())
@@ -109,6 +109,7 @@ class FloorPaint:
         if not len(sprayers) and not self._before:
             return
         self._prepare()
+        ways = ways - (*self._layout.low, 0.0)
         before = np.full((len(sprayers), 3), np.nan)
         for k, sprayer in enumerate(sprayers.tolist()):
             before[k] = self._before.get(sprayer, np.nan)

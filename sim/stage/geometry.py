@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pymunk.autogeometry import convex_decomposition, to_convex_hull
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -15,6 +17,10 @@ CIRCLE_SIDES = 48
 """Sides of the polygon that stands for a circle in pictures, placement and coverage; sensors and
 physics know the circle itself. It has the circle's area; its outline is nowhere further from the
 circle than 0.2 % of the radius (1 - cos(pi / 48))."""
+
+
+HALF_SIDE = math.cos(math.pi / CIRCLE_SIDES)
+"""The inner radius of that polygon over its outer one."""
 
 
 def rotated(points: ArrayLike, heading: float) -> Floats:
@@ -89,13 +95,86 @@ def circle_polygon(radius: float, sides: int = CIRCLE_SIDES) -> Floats:
     return corner * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
+class Piece(NamedTuple):
+    """A part of a body in the body's frame: corners (k, 2), counter-clockwise.
+
+    circle: x, y and radius in metres of what is round; its corners are then those of a polygon of
+    the same area.
+    """
+
+    vertices: Floats
+    circle: tuple[float, float, float] | None = None
+
+
+@lru_cache(maxsize=4096)
+def faces(body: Any) -> tuple[Piece, ...]:
+    """The parts of a body of the world file's schema as they are written; some may be concave."""
+    if body.shape != "compound":
+        circle = (0.0, 0.0, body.radius) if body.shape == "circle" else None
+        return (Piece(_outline(body), circle),)
+    found = []
+    for part in body.parts:
+        x, y, degrees = part.pose
+        vertices = placed(_outline(part), (x, y, math.radians(degrees)))
+        found.append(Piece(vertices, (x, y, part.radius) if part.shape == "circle" else None))
+    return tuple(found)
+
+
+@lru_cache(maxsize=4096)
+def pieces(body: Any) -> tuple[Piece, ...]:
+    """The convex parts that a body is made of."""
+    found: list[Piece] = []
+    for face in faces(body):
+        if body.shape != "compound" or face.circle is not None or is_convex(face.vertices):
+            found.append(face)
+        else:
+            found += [Piece(vertices) for vertices in convex_pieces(face.vertices)]
+    return tuple(found)
+
+
+def convex_pieces(vertices: Floats) -> list[Floats]:
+    """A simple polygon (k, 2), counter-clockwise, cut into convex ones (Chipmunk's algorithm).
+
+    Raises ValueError where they would not have its area: its edges cross.
+    """
+    ring = [*map(tuple, vertices.tolist()), tuple(vertices[0].tolist())]
+    cut = [np.array(piece)[:-1] for piece in convex_decomposition(ring, 0.0)]
+    whole, found = signed_area(vertices), [piece for piece in cut if signed_area(piece) > 0.0]
+    if abs(sum(map(signed_area, found)) - whole) > 1e-6 * whole:
+        raise ValueError("the polygon's edges cross")
+    return found
+
+
 def outline(body: Any) -> Floats:
-    """Outline (k, 2) of a body of the world file's schema, in its own frame, counter-clockwise."""
-    if body.shape == "box":
-        return box(*body.size)
-    if body.shape == "circle":
-        return circle_polygon(body.radius)
-    return counter_clockwise(body.points)
+    """Outline (k, 2) of a body of the world file's schema, in its own frame, counter-clockwise.
+
+    Of a compound body the convex hull.
+    """
+    return faces(body)[0].vertices if body.shape != "compound" else hull_of(body)
+
+
+@lru_cache(maxsize=4096)
+def hull_of(body: Any) -> Floats:
+    """The convex hull (k, 2) of a body's parts."""
+    corners: list[Floats] = []
+    for face in faces(body):
+        if face.circle is None:
+            corners.append(face.vertices)
+        else:  # a polygon around the circle, so that nothing is left out
+            x, y, radius = face.circle
+            around = circle_polygon(1.0)
+            corners.append(around * (radius / np.hypot(*around[0]) / HALF_SIDE) + (x, y))
+    hull = to_convex_hull([(x, y) for x, y in np.concatenate(corners).tolist()], 0.0)
+    return counter_clockwise(np.array(hull)[:-1])
+
+
+def _outline(shape: Any) -> Floats:
+    """Outline (k, 2) of a box, circle or polygon of the schema, about its own origin."""
+    if shape.shape == "box":
+        return box(*shape.size)
+    if shape.shape == "circle":
+        return circle_polygon(shape.radius)
+    return counter_clockwise(shape.points)
 
 
 def least_width(vertices: Floats) -> float:
@@ -107,9 +186,20 @@ def least_width(vertices: Floats) -> float:
 
 def reach(body: Any) -> float:
     """Radius in metres of the smallest circle about a body's origin that holds the body."""
-    if body.shape == "circle":
-        return float(body.radius)
-    return float(np.hypot(*outline(body).T).max())
+    return max(
+        float(np.hypot(*vertices.T).max())
+        if circle is None
+        else math.hypot(*circle[:2]) + circle[2]
+        for vertices, circle in faces(body)
+    )
+
+
+def girth(body: Any) -> float:
+    """Half of a body's width in metres where it is narrowest; of several parts the thinnest's."""
+    return min(
+        least_width(vertices) / 2.0 if circle is None else circle[2]
+        for vertices, circle in pieces(body)
+    )
 
 
 def size_of(body: Any) -> tuple[float, float, float]:
@@ -172,6 +262,16 @@ def separation(first: Floats, second: Floats) -> float:
         return deepest
     return float(
         min(distance_to_edges(first, second).min(), distance_to_edges(second, first).min())
+    )
+
+
+def depth(body: Any, pose: ArrayLike, other: Any, other_pose: ArrayLike) -> float:
+    """How deep two bodies of the schema overlap at their poses (x, y, yaw), in metres."""
+    there = [placed(vertices, other_pose) for vertices, _ in pieces(other)]
+    return max(
+        -separation(placed(vertices, pose), piece)
+        for vertices, _ in pieces(body)
+        for piece in there
     )
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from sensors.eyes import EVERY_EYE, eyes
+from sensors.noise import random_color
 from sim.stage.boundary import inner_faces, walls_outside
 from sim.stage.geometry import (
     Bools,
@@ -17,10 +19,13 @@ from sim.stage.geometry import (
     counter_clockwise,
     in_convex,
     outline,
+    pieces,
     placed,
     rectangle,
 )
+from sim.stage.geometry import faces as parts_of
 from sim.stage.imagemap import read_image_map
+from sim.stage.levels import EVERY_LEVEL, MOST_LEVELS, Levels, TooManyLevels, range_of
 from sim.stage.raster import (
     MOST_OUTLINES,
     Raster,
@@ -29,29 +34,47 @@ from sim.stage.raster import (
     rectangles_in_world,
 )
 from sim.stage.textmap import read_text_map
+from sim.worldfile.extents import low_corner
 from sim.worldfile.mistakes import Mistake, WorldError
+from sim.worldfile.values import RANDOM
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Door, Map, World
+
+
+class Look(NamedTuple):
+    """What there is to see of a thing that stands: 0xRRGGBB, and from z to z + height in metres.
+
+    seen_by: bits of `sensors.eyes`. What is not solid has no inside.
+    """
+
+    color: int
+    height: float
+    z: float = 0.0
+    seen_by: int = EVERY_EYE
+    solid: bool = True
 
 
 @dataclass(frozen=True)
 class Solid:
     """A standing convex body: a piece of a wall, or an obstacle.
 
-    vertices (k, 2) counter-clockwise in the world; color 0xRRGGBB; height in metres. Pieces of
+    vertices (k, 2) counter-clockwise in the world. levels: the bits of the heights at which it
+    stops others, none if it is not solid (see `levels`). Pieces of
     one thing (all blocks of a map) share `group`, so that a robot that slides from block to
     block touches one wall once. Chipmunk multiplies the coefficients of friction of two bodies
     that touch. circle: x, y and radius in metres of what is round; its vertices
-    are those of a polygon of the same area, for pictures and placement.
+    are those of a polygon of the same area, for pictures and placement. landmark: sensors see it as
+    one of the layout's landmarks.
     """
 
     vertices: Floats
-    color: int
-    height: float
+    look: Look
     friction: float
     group: int = 0
     circle: tuple[float, float, float] | None = None
+    levels: int = EVERY_LEVEL
+    landmark: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,6 +87,14 @@ class Movable:
     height: float
     mass: float
     friction: float = 0.5
+
+
+@dataclass(frozen=True)
+class Landmark:
+    """An obstacle that stands and carries a fiducial: `body` of the schema, pose (x, y, yaw)."""
+
+    body: Any
+    pose: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -92,27 +123,35 @@ class DoorCell:
 class Layout:
     """A world without its robots.
 
-    size: (width, height) metres, from the origin. region: convex polygon (k, 2) or None.
+    size: (width, height) metres; low: x, y of its lower left corner. region: convex polygon (k, 2)
+    or None.
     arena (k, 2): where robots may be: within the size, or the region where its edges are walls.
     solids: all that stands, for physics and drawing; the boundary lies outside of `size`.
-    segments (m, 4) with segment_colors (m,) uint32 and segment_heights (m,): the straight faces
-    of the solids that can be seen, merged, for the sensors. insides: what lies behind those faces:
+    obstacles: the outlines of what stands on the floor and is solid, in convex pieces; pushed: of
+    what is movable, at the start.
+    segments (m, 4), of which each has one of the `looks` (m,): the straight faces
+    that can be seen, merged, for the sensors. insides: what lies behind those faces:
     the solids but for round ones, and in place of the boundary's walls the arena, clockwise: all
-    that lies outside of it is wall. raster: the map's walls, or None.
+    that lies outside of it is wall. landmarks: what sensors see besides, each with its fiducial.
+    levels: at which heights bodies can touch. raster: the map's walls, if they are solid.
     grid: the text map's walls (rows, columns) bool, row 0 at the top, and `cell` its cell size
     in metres; both None for other worlds.
     """
 
     size: tuple[float, float]
+    low: tuple[float, float]
     region: Floats | None
     arena: Floats
     solids: tuple[Solid, ...]
     obstacles: tuple[Floats, ...]
+    pushed: tuple[Floats, ...]
     segments: Floats
-    segment_colors: np.ndarray[Any, np.dtype[np.uint32]]
-    segment_heights: Floats
+    looks: tuple[Look, ...]
+    segment_looks: NDArray[np.int64]
     insides: tuple[Solid, ...]
+    landmarks: tuple[Landmark, ...]
     movables: tuple[Movable, ...]
+    levels: Levels
     doors: tuple[DoorCell, ...]
     raster: Raster | None
     grid: Bools | None
@@ -125,12 +164,12 @@ class Layout:
         the start, a movable one too.
         """
         flat = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-        free = in_convex(flat, rectangle(0.0, 0.0, *self.size))
+        free = in_convex(flat, _rectangle(self.low, self.size))
         if self.region is not None:
             free &= in_convex(flat, self.region)
         if self.raster is not None:
             free &= ~self.raster.is_wall(flat)
-        for vertices in self.obstacles:
+        for vertices in (*self.obstacles, *self.pushed):
             low, high = vertices.min(axis=0), vertices.max(axis=0)
             near = np.nonzero(free & np.all((flat >= low) & (flat <= high), axis=1))[0]
             free[near] &= ~in_convex(flat[near], vertices)
@@ -138,17 +177,16 @@ class Layout:
 
 
 class _Faces:
-    """Collects visible segments with their colours and heights."""
+    """Collects visible segments with their looks."""
 
     def __init__(self) -> None:
         self.segments: list[Floats] = []
-        self.colors: list[int] = []
-        self.heights: list[float] = []
+        self.numbers: dict[Look, int] = {}
+        self.looks: list[int] = []
 
-    def add(self, segments: Floats, color: int, height: float) -> None:
+    def add(self, segments: Floats, look: Look) -> None:
         self.segments.append(segments)
-        self.colors += [color] * len(segments)
-        self.heights += [height] * len(segments)
+        self.looks += [self.numbers.setdefault(look, len(self.numbers))] * len(segments)
 
 
 def build_layout(world: World, folder: Path) -> Layout:
@@ -158,24 +196,30 @@ def build_layout(world: World, folder: Path) -> Layout:
     has no place.
     """
     raster, door_cells, is_text = _read_map(world.map, folder)
+    levels = _levels(world)
     size = _size(world, raster, is_text)
+    low = low_corner(world.origin, size)
+    if raster is not None:
+        raster = replace(raster, low=low)
     region = None if world.region is None else counter_clockwise(world.region)
     solids: list[Solid] = []
     insides: list[Solid] = []
     faces = _Faces()
     group = 0
     wall = world.boundary
-    ring = rectangle(0.0, 0.0, *size)
+    ring = _rectangle(low, size)
     if wall is not None:
         if wall.shape == "region" and region is not None:
             ring = region
         for vertices in walls_outside(ring, wall.thickness):
-            solids.append(Solid(vertices, wall.color, wall.height, wall.friction, group))
+            solids.append(Solid(vertices, Look(wall.color, wall.height), wall.friction, group))
             group += 1
-        faces.add(inner_faces(ring, wall.thickness), wall.color, wall.height)
-        insides.append(Solid(ring[::-1], wall.color, wall.height, wall.friction))
+        faces.add(inner_faces(ring, wall.thickness), Look(wall.color, wall.height))
+        insides.append(Solid(ring[::-1], Look(wall.color, wall.height), wall.friction))
     if raster is not None and world.map is not None:
-        color, height, friction = world.map.color, world.map.height, world.map.friction
+        drawn = world.map
+        look = Look(drawn.color, drawn.height, 0.0, eyes(drawn.seen_by), drawn.solid)
+        height = levels.between(0.0, drawn.height) if drawn.solid else 0
         try:
             outlines = merged_outlines(raster)
         except TooRagged:
@@ -185,50 +229,95 @@ def build_layout(world: World, folder: Path) -> Layout:
                 [Mistake(("map", "file"), what, str(world.map.file), allowed)]
             ) from None
         blocks = [
-            Solid(rectangle(*edges), color, height, friction, group)
+            Solid(rectangle(*edges), look, drawn.friction, group, levels=height)
             for edges in rectangles_in_world(raster)
         ]
         solids += blocks
-        insides += blocks
+        insides += blocks if drawn.solid else []
         group += 1
-        faces.add(outlines, color, height)
+        faces.add(outlines, look)
     movables: list[Movable] = []
+    landmarks: list[Landmark] = []
     obstacles: list[Floats] = []
-    for entry in world.obstacles:
+    pushed: list[Floats] = []
+    for index, told in enumerate(world.obstacles):
+        entry = told
+        if told.color == RANDOM:
+            drawn_color = random_color(world.seed, f"obstacles.{index}")
+            entry = told.model_copy(update={"color": drawn_color})
         x, y, degrees = entry.pose
         pose = (x, y, math.radians(degrees))
-        vertices = placed(outline(entry), pose)
-        obstacles.append(vertices)
+        if entry.solid and entry.z == 0.0:
+            taken = pushed if entry.movable else obstacles
+            taken += [placed(vertices, pose) for vertices, _ in pieces(entry)]
         if entry.movable:
             movables.append(
                 Movable(entry, pose, entry.color, entry.height, entry.mass, entry.friction)
             )
             continue
-        circle = (x, y, entry.radius) if entry.shape == "circle" else None
-        solid = Solid(vertices, entry.color, entry.height, entry.friction, group, circle)
-        solids.append(solid)
+        look = Look(entry.color, entry.height, entry.z, eyes(entry.seen_by), entry.solid)
+        alone = entry.fiducial is not None
+        if alone:
+            landmarks.append(Landmark(entry, pose))
+        for vertices, circle in pieces(entry):
+            around = None if circle is None else _moved(circle, pose)
+            solid = Solid(
+                placed(vertices, pose), look, entry.friction, group, around, levels.of(entry), alone
+            )
+            solids.append(solid)
+            if entry.solid and circle is None and not alone:
+                insides.append(solid)
+        for vertices, circle in parts_of(entry) if not alone else ():
+            if circle is None:
+                start = placed(vertices, pose)
+                faces.add(np.concatenate([start, np.roll(start, -1, axis=0)], axis=1), look)
         group += 1
-        if circle is not None:
-            continue
-        insides.append(solid)
-        ends = np.roll(vertices, -1, axis=0)
-        faces.add(np.concatenate([vertices, ends], axis=1), entry.color, entry.height)
     return Layout(
         size=size,
+        low=low,
         region=region,
         arena=ring,
         solids=tuple(solids),
         obstacles=tuple(obstacles),
+        pushed=tuple(pushed),
         segments=np.concatenate([np.zeros((0, 4)), *faces.segments]),
-        segment_colors=np.array(faces.colors, dtype=np.uint32),
-        segment_heights=np.array(faces.heights, dtype=np.float64),
+        looks=tuple(faces.numbers),
+        segment_looks=np.array(faces.looks, dtype=np.int64),
         insides=tuple(insides),
+        landmarks=tuple(landmarks),
         movables=tuple(movables),
+        levels=levels,
         doors=_doors(world, raster, door_cells, is_text),
-        raster=raster,
+        raster=raster if world.map is None or world.map.solid else None,
         grid=raster.walls if raster is not None and is_text else None,
         cell=raster.cell if raster is not None and is_text else None,
     )
+
+
+def _rectangle(low: tuple[float, float], size: tuple[float, float]) -> Floats:
+    """An upright rectangle (4, 2) from its lower left corner and its size."""
+    return rectangle(low[0], low[1], low[0] + size[0], low[1] + size[1])
+
+
+def _moved(
+    circle: tuple[float, float, float], pose: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """A circle (x, y, radius) of a body's frame in the world, for a body at a pose."""
+    ((x, y),) = placed([circle[:2]], pose)
+    return float(x), float(y), circle[2]
+
+
+def _levels(world: World) -> Levels:
+    """At which heights the bodies of a world can touch. Raises WorldError."""
+    bodies = [model.body for model in world.models.values()]
+    ranges = [range_of(body) for body in (*bodies, *world.obstacles) if body.solid]
+    if world.map is not None and world.map.solid:
+        ranges.append((0.0, world.map.height))
+    try:
+        return Levels(ranges)
+    except TooManyLevels:
+        what = f"bodies stand in more than {MOST_LEVELS} storeys of `z` and `height`"
+        raise WorldError([Mistake(("obstacles",), what, None, "fewer different heights")]) from None
 
 
 def _read_map(

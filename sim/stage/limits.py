@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import ceil, radians
 from typing import TYPE_CHECKING, Any
 
-from sim.stage.geometry import least_width, outline, reach
+from sim.stage.geometry import girth, reach
 from sim.worldfile.mistakes import Mistake
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def physics_mistakes(world: World) -> list[Mistake]:
 
     Only models count that robots or doors use.
     """
-    bodies = list(_moving(world))
+    bodies = [one for one in _moving(world) if one[1].solid]
     if not bodies:
         return []
     mistakes: list[Mistake] = []
@@ -52,11 +52,9 @@ def physics_mistakes(world: World) -> list[Mistake]:
             allowed = f"at most {MOST_PUSH * lightest:g}: {MOST_PUSH:g} m/s2 for the {than}"
             place = (*where, "drive", "max_force")
             mistakes.append(Mistake(place, what, f"{drive.max_force:g}", allowed))
-        lever, width = 0.0, 2.0 * getattr(body, "radius", 0.0)
-        if body.shape != "circle":
-            lever, width = reach(body), least_width(outline(body))
+        lever = 0.0 if body.shape == "circle" else reach(body)
         speed = drive.max_speed + radians(drive.max_turn_rate) * lever
-        step = MOST_SUBSTEPS * min(DEEPEST, width / 2.0) / (2.0 * speed)
+        step = MOST_SUBSTEPS * min(DEEPEST, girth(body)) / (2.0 * speed)
         if step < longest:
             longest, fastest = step, f"{where[1]} at {speed:.6g} m/s"
     if clock.physics_step > longest:

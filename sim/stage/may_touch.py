@@ -20,7 +20,7 @@ attach and detach them costs more than to keep them for a while."""
 
 @compiled
 def count_calm_ticks(
-    state: Any, movers: Any, count: int, order: Any, cells: Any, cell: float, interval: float
+    state: Any, movers: Any, count: int, order: Any, cells: Any, frame: Any, interval: float
 ) -> tuple[int, float]:
     """Count for each mover the ticks since it last could meet anything (`calm`, 0 for now).
 
@@ -42,14 +42,16 @@ def count_calm_ticks(
         mover = movers[order[i]]
         body = state[mover.row]
         wide = mover.reach + (0.0 if mover.standing else way)
-        if not mover.standing and clear_of(cells, cell, body[0], body[1]) <= wide:
+        if mover.levels == 0:
+            continue
+        if not mover.standing and clear_of(cells, frame, body[0], body[1]) <= wide:
             mover.calm = 0
         for j in range(i + 1, count):
             other = movers[order[j]]
             there = state[other.row]
             if there[0] - body[0] > wide + widest:
                 break
-            if mover.standing and other.standing:
+            if (mover.standing and other.standing) or mover.levels & other.levels == 0:
                 continue
             least = wide + other.reach + (0.0 if other.standing else way)
             if math.hypot(there[0] - body[0], there[1] - body[1]) <= least:

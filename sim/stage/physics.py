@@ -29,6 +29,7 @@ class Physics:
         self._space = bodies.new_space()
         self._ground = pymunk.Body(body_type=pymunk.Body.STATIC)
         self._space.add(self._ground)
+        self._levels = layout.levels
         self._standing = bodies.add_solids(self._space, layout.solids)
         self._bodies: list[pymunk.Body] = []
         self._drives: list[Any] = []
@@ -54,7 +55,10 @@ class Physics:
         if form is None:
             form = self._forms[id(schema)] = bodies.form_of(schema)
         body = bodies.dynamic_body(form, pose)
-        self._space.add(body, bodies.shape_of(body, form))
+        shapes, levels = bodies.shapes_of(body, form), self._levels.of(schema)
+        for shape in shapes:
+            bodies.limit_to(shape, levels)
+        self._space.add(body, *shapes)
         joints: list[pymunk.Constraint] = []
         if drive is None:
             joints = bodies.floor_friction(self._ground, body, schema)
@@ -71,6 +75,7 @@ class Physics:
             reach=form.reach,
             girth=form.girth,
             shape=self._shape(form.corners),
+            levels=levels,
         )
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
@@ -173,7 +178,7 @@ class Physics:
         table = self.table
         place, pairs, points, ends, notes = run_steps(
             self._machine, table.state, table.orders, movers, first, len(movers), order,
-            field.cells, field.cell, self.outlines, self.sides, interval, steps, place,
+            field.cells, field.frame, self.outlines, self.sides, interval, steps, place,
             traced, *seen,
         )  # fmt: skip
         if len(pairs):

@@ -49,17 +49,23 @@ def place(
     for index, robot in enumerate(robots):
         if robot.pose is not None:
             poses[index] = robot.pose
-            room.occupy(placed(outline(models[robot.model].body), robot.pose), 0.0)
+            body = models[robot.model].body
+            room.add_body(body, robot.pose, layout.levels.of(body))
     drawn = [index for index, robot in enumerate(robots) if robot.pose is None]
     for _, group in groupby(drawn, key=lambda index: robots[index].entry):
         entry = list(group)
-        chosen = _place_entry(room, [robots[index] for index in entry], models, rng)
+        levels = layout.levels.of(models[robots[entry[0]].model].body)
+        chosen = _place_entry(room, [robots[index] for index in entry], models, levels, rng)
         poses[entry] = chosen
     return poses
 
 
 def _place_entry(
-    room: FreeSpace, robots: list[RobotSpec], models: Mapping[str, Model], rng: np.random.Generator
+    room: FreeSpace,
+    robots: list[RobotSpec],
+    models: Mapping[str, Model],
+    levels: int,
+    rng: np.random.Generator,
 ) -> Floats:
     """Poses (k, 3) for the robots of an entry; they are in the room afterwards."""
     rule = robots[0].placement
@@ -68,7 +74,7 @@ def _place_entry(
     start = room.mark()
     found: list[Floats] | None = None
     for attempt in _attempts(room, robots, shape, margin, rng, rule is not None and rule.same_y):
-        found = _fill(room, robots, shape, margin, attempt)
+        found = _fill(room, robots, shape, margin, levels, attempt)
         if found is not None:
             break
         room.back_to(start)
@@ -141,7 +147,12 @@ def _scattered(
 
 
 def _fill(
-    room: FreeSpace, robots: list[RobotSpec], shape: Floats, margin: float, attempt: Attempt
+    room: FreeSpace,
+    robots: list[RobotSpec],
+    shape: Floats,
+    margin: float,
+    levels: int,
+    attempt: Attempt,
 ) -> list[Floats] | None:
     """Place all robots of an entry in the first poses of an attempt that fit, or None.
 
@@ -156,8 +167,8 @@ def _fill(
                 begin = in_turn.index(float(found[0][2]))
                 pose[2] = in_turn[(begin + index) % len(in_turn)]
             vertices = placed(shape, pose)
-            if room.fits(vertices, margin):
-                room.occupy(vertices, margin)
+            if room.fits(vertices, margin, levels):
+                room.occupy(vertices, margin, levels)
                 found.append(pose)
                 break
         else:
@@ -246,14 +257,13 @@ def check_start(
     """
     room = FreeSpace(layout, doors=False)
     mistakes: list[Mistake] = []
-    names: list[str] = []
+    owners: list[str] = []  # of each outline that was added
     first = room.mark()
     for robot in robots:
         if robot.pose is None or robot.model not in models:
             continue
         where: tuple[str | int, ...] = ("robots", robot.entry, "pose")
         body: Any = models[robot.model].body
-        vertices = placed(outline(body), robot.pose)
         given = f"robot {robot.name} at [{robot.pose[0]:g}, {robot.pose[1]:g}]"
         centre = np.array([robot.pose[:2]])
         if not room.holds(centre):
@@ -262,11 +272,12 @@ def check_start(
                 allowed += ", and within the region, whose edges are walls"
             mistakes.append(Mistake(where, "the robot starts outside of the world", given, allowed))
             continue
-        other = next(room.overlapped(vertices, TOUCH), None)  # the first one tells enough
+        levels = layout.levels.of(body)
+        other = room.hit_by(body, robot.pose, TOUCH, levels)  # the first one tells enough
         if other is not None:
-            what = "a wall or an obstacle" if other < first else f"robot {names[other - first]}"
+            what = "a wall or an obstacle" if other < first else f"robot {owners[other - first]}"
             what = f"the robot starts in {what}"
             mistakes.append(Mistake(where, what, given, "a free place"))
-        room.occupy(vertices, 0.0)
-        names.append(robot.name)
+        room.add_body(body, robot.pose, levels)
+        owners += [robot.name] * (room.mark() - first - len(owners))
     return mistakes

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.stage.fits import FreeSpace
-from sim.stage.geometry import Floats, outline, placed, reach, separation
+from sim.stage.geometry import Floats, depth, reach
 from sim.stage.layout import Layout
 from sim.stage.limits import SLOP
 
@@ -23,24 +23,20 @@ class Places:
 
     def __init__(self, layout: Layout) -> None:
         self._room = FreeSpace(layout, doors=False, movable=False)
-        self._outlines: dict[int, tuple[Floats, float]] = {}
-
-    def _shape(self, body: Any) -> tuple[Floats, float]:
-        """A body's outline in its own frame, and its reach in metres."""
-        return self._outlines.setdefault(id(body), (outline(body), reach(body)))
+        self._levels = layout.levels
 
     def free(self, body: Any, pose: Pose, others: Sequence[Any], poses: Floats) -> bool:
         """Whether a body fits at a pose (x, y, yaw) among others at theirs, (n, 3)."""
-        own, span = self._shape(body)
-        vertices = placed(own, pose)
-        in_the_way = next(self._room.overlapped(vertices, SLOP), None)
+        levels, span = self._levels.of(body), reach(body)
+        in_the_way = self._room.hit_by(body, pose, SLOP, levels)
         if in_the_way is not None or not self._room.holds(np.array([pose[:2]])):
             return False
-        spans = np.array([self._shape(other)[1] for other in others])
+        spans = np.array([reach(other) for other in others])
         apart = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
         for near in np.nonzero(apart < span + spans)[0].tolist():
-            there = placed(self._shape(others[near])[0], poses[near])
-            if separation(vertices, there) < -SLOP:
+            if not self._levels.of(others[near]) & levels:
+                continue
+            if depth(body, pose, others[near], poses[near]) > SLOP:
                 return False
         return True
 

@@ -25,11 +25,12 @@ class TooRagged(ValueError):
 class Raster:
     """Walls as cells: `walls` (rows, columns) bool with row 0 at the top, `cell` in metres.
 
-    The lower left corner of the raster is the world's origin.
+    low: x, y of its lower left corner in the world.
     """
 
     walls: Bools
     cell: float
+    low: tuple[float, float] = (0.0, 0.0)
 
     @property
     def size(self) -> tuple[float, float]:
@@ -40,19 +41,21 @@ class Raster:
     def centre(self, column: int, row: int) -> tuple[float, float]:
         """World position of a cell's centre; column and row count from the top left, from 0."""
         rows = self.walls.shape[0]
-        return (column + 0.5) * self.cell, (rows - row - 0.5) * self.cell
+        x, y = self.low
+        return x + (column + 0.5) * self.cell, y + (rows - row - 0.5) * self.cell
 
     def at(self, x: float, y: float) -> tuple[int, int]:
         """Column and row of the cell that holds a world position (it may lie off the raster)."""
         rows = self.walls.shape[0]
-        return int(np.floor(x / self.cell)), rows - 1 - int(np.floor(y / self.cell))
+        column, row = (x - self.low[0]) / self.cell, (y - self.low[1]) / self.cell
+        return int(np.floor(column)), rows - 1 - int(np.floor(row))
 
     def is_wall(self, points: ArrayLike) -> Bools:
         """For world points (n, 2), whether each lies in a wall's cell; (n,) bool."""
         flat = np.asarray(points, dtype=np.float64)
         rows, columns = self.walls.shape
-        column = np.floor(flat[:, 0] / self.cell).astype(np.int64)
-        row = rows - 1 - np.floor(flat[:, 1] / self.cell).astype(np.int64)
+        column = np.floor((flat[:, 0] - self.low[0]) / self.cell).astype(np.int64)
+        row = rows - 1 - np.floor((flat[:, 1] - self.low[1]) / self.cell).astype(np.int64)
         on = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
         found = np.zeros(len(flat), dtype=np.bool_)
         found[on] = self.walls[row[on], column[on]]
@@ -106,9 +109,9 @@ def merged_rectangles(walls: Bools) -> NDArray[np.int64]:
 
 def rectangles_in_world(raster: Raster) -> list[tuple[float, float, float, float]]:
     """The walls' merged rectangles as (left, bottom, right, top) in metres."""
-    rows, cell = raster.walls.shape[0], raster.cell
+    rows, cell, (x, y) = raster.walls.shape[0], raster.cell, raster.low
     return [
-        (left * cell, (rows - bottom) * cell, right * cell, (rows - top) * cell)
+        (x + left * cell, y + (rows - bottom) * cell, x + right * cell, y + (rows - top) * cell)
         for left, top, right, bottom in merged_rectangles(raster.walls).tolist()
     ]
 
@@ -147,4 +150,6 @@ def merged_outlines(raster: Raster) -> Floats:
         ],
         axis=1,
     )
-    return np.concatenate([across, along]).astype(np.float64)
+    found = np.concatenate([across, along]).astype(np.float64)
+    found += np.array([*raster.low, *raster.low])
+    return found

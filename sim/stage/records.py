@@ -40,6 +40,7 @@ MOVER = np.dtype(
         ("max_force", np.float64),  # N
         ("max_torque", np.float64),  # N m
         ("shape", np.int32),  # its number among the outlines
+        ("levels", np.uint32),  # bits: it meets only what shares one; 0 if it is not solid
         ("reach", np.float64),  # m, radius of the circle about the origin that holds the body
         ("girth", np.float64),  # m, half of its width where it is narrowest
         ("strength", np.float64),  # N, at most, with which its drive can press on something
@@ -82,17 +83,27 @@ MOVER = np.dtype(
 )
 
 
-def mover(body: Any, drive: Any, *, moment: float, reach: float, girth: float, shape: int) -> Any:
+def mover(
+    body: Any,
+    drive: Any,
+    *,
+    moment: float,
+    reach: float,
+    girth: float,
+    shape: int,
+    levels: int,
+) -> Any:
     """A record for a body and a drive (or None) of the schema, at rest at no place yet.
 
     moment: moment of inertia in kg m2. reach: radius of the circle about its origin in metres.
-    girth: half of its least width in metres. shape: the number of its outline.
+    girth: half of its least width in metres. shape: the number of its outline. levels: the bits of
+    the heights at which it meets others.
     """
     record = np.zeros(1, dtype=MOVER)[0]
     record["mass"], record["moment"] = body.mass, moment
     record["reach"], record["girth"] = reach, girth
     record["lever"] = 0.0 if body.shape == "circle" else reach
-    record["shape"] = shape
+    record["shape"], record["levels"] = shape, levels
     record["control"] = -1
     record["motors"] = True
     record["axis_x"] = 1.0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sensors.eyes import EYES, eyes
 from sim.stage import commands
 from sim.stage.contacts import Touches
 from sim.stage.distance_field import distance_field
@@ -23,6 +24,7 @@ from sim.stage.steps import BEGIN
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
 
+BUMPER = EYES["bumper"]
 NOBODY: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 """No robot's way is asked for."""
 NO_WAYS: Floats = np.zeros((0, 1, 3))
@@ -53,7 +55,11 @@ class Stage:
         self._distances, self._stalls = np.zeros(room), np.zeros(room, dtype=np.bool_)
         self._contact_counts = np.zeros(room, dtype=np.int64)
         self._kinds: list[Model] = []  # by robot
+        self._touches.unfelt = {
+            -1 - solid.group for solid in layout.solids if not solid.look.seen_by & BUMPER
+        }
         for number, movable in enumerate(layout.movables):
+            self._feel(number, movable.body)
             self._movers[number] = self._physics.add(movable.body, None, movable.pose)
         self._changed = True
         self.told = 0
@@ -72,6 +78,7 @@ class Stage:
         robot = self._count
         number = self._movables + robot
         self._grow(number + 1)
+        self._feel(number, kind.body)
         self._movers[number] = self._physics.add(kind.body, kind.drive, at)
         self._order[number] = number
         self._count += 1
@@ -79,6 +86,11 @@ class Stage:
         self._show(robot, at)
         self._kinds.append(kind)
         return robot
+
+    def _feel(self, number: int, body: Any) -> None:
+        """Note whether bumpers feel the touch of a mover."""
+        if not eyes(body.seen_by) & BUMPER:
+            self._touches.unfelt.add(number)
 
     def settle(self, robot: int) -> None:
         """Make a robot a standing body: nothing moves it any more, and it obeys no command."""

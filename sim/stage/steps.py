@@ -52,7 +52,7 @@ def run_steps(
     count: int,
     order: Any,
     cells: Any,
-    cell: float,
+    frame: Any,
     outlines: Any,
     sides: Any,
     interval: float,
@@ -68,7 +68,7 @@ def run_steps(
 
     machine (PARTS,): addresses. state, orders (b, 6): the bodies' table. movers: `first` movable
     obstacles, then robots up to `count`. order (count,): the movers by x, kept from step to step.
-    cells, cell: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
+    cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
     traced (k,): the movers whose poses are noted.
 
@@ -90,7 +90,7 @@ def run_steps(
     dt = interval / steps
     space = machine[SPACE]
     if fastest < 0.0:
-        changes, fastest = count_calm_ticks(state, movers, count, order, cells, cell, interval)
+        changes, fastest = count_calm_ticks(state, movers, count, order, cells, frame, interval)
         if changes > 0:
             return (0, fastest, False), pairs, points, ends, notes
     if step == 0 and not led and len(traced) > 0:
@@ -102,16 +102,16 @@ def run_steps(
         if not led:
             drive.want(state, movers, count, dt)
         cuts, rounds, quickest = count_substeps(
-            state, movers, count, order, cells, cell, outlines, sides, dt
+            state, movers, count, order, cells, frame, outlines, sides, dt
         )
         # Thrown by something that turns, so that it could meet who was not looked at.
         if not led and (quickest - fastest) * interval > DEEPEST:
-            changes, fastest = count_calm_ticks(state, movers, count, order, cells, cell, interval)
+            changes, fastest = count_calm_ticks(state, movers, count, order, cells, frame, interval)
             if changes > 0:
                 led = True
                 break
             cuts, rounds, quickest = count_substeps(
-                state, movers, count, order, cells, cell, outlines, sides, dt
+                state, movers, count, order, cells, frame, outlines, sides, dt
             )
         led = False
         substep = dt / max(1, cuts)

@@ -108,7 +108,7 @@ def count_substeps(
     count: int,
     order: Any,
     cells: Any,
-    cell: float,
+    frame: Any,
     outlines: Any,
     sides: Any,
     dt: float,
@@ -119,7 +119,7 @@ def count_substeps(
     looked at is.
 
     state (b, 6): the bodies' table. order (count,): the movers by x, kept from step to step.
-    cells, cell: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
+    cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes in their own frames, no sides for a circle.
 
     Only robots that follow a leader and passive bodies are looked at: no other can meet anything
@@ -146,8 +146,8 @@ def count_substeps(
         change, turn = gain(state, mover, dt)
         spin = (abs(body[5]) + turn) * mover.lever
         own = math.hypot(body[3], body[4]) + change + spin
-        if not mover.standing and own > 0.0:
-            clear = clear_of(cells, cell, body[0], body[1])
+        if not mover.standing and own > 0.0 and mover.levels != 0:
+            clear = clear_of(cells, frame, body[0], body[1])
             if clear - mover.reach < own * dt:
                 needed = max(needed, own * dt / min(DEEPEST, mover.girth / 2.0))
         for j in range(i + 1, count):
@@ -156,6 +156,8 @@ def count_substeps(
             if there[0] - body[0] > mover.reach + largest + (own + fastest) * dt:
                 break
             if (mover.standing and other.standing) or (other.driven and other.control < 0):
+                continue
+            if mover.levels & other.levels == 0:
                 continue
             # Side by side at the same velocity bodies do not close, whatever their speed: the
             # difference of their velocities counts, and what drives and turning may add to it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -45,11 +46,11 @@ def ticks(size: tuple[float, float], projection: Projection, lettering: Letterin
     column, row = edges_of(projection)
     reach = round((TICK + 2) * projection.unit)
     found: list[Tick] = []
-    for axis, length in zip("xy", size, strict=True):
-        count = int(np.floor(length / step + 1e-9))
-        for k in range(count + 1):
+    for axis, low, length in zip("xy", projection.low, size, strict=True):
+        first, last = math.ceil(low / step - 1e-9), math.floor((low + length) / step + 1e-9)
+        for k in range(first, last + 1):
             value = k * step
-            text = f"{value:g} m" if k == count else f"{value:g}"
+            text = f"{value:g} m" if k == last else f"{value:g}"
             width = lettering.width(text)
             if axis == "x":
                 at = projection.left + value * projection.scale

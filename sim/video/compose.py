@@ -55,7 +55,7 @@ class Composer:
         self.size = default_size(backdrop.size) if size is None else check_size(size)
         self.axes = axes
         outlines = [vertices for vertices, _ in backdrop.solids]
-        self.projection = project(backdrop.size, outlines, self.size, axes=axes)
+        self.projection = project(backdrop.size, outlines, self.size, low=backdrop.low, axes=axes)
         self.lettering = Lettering(self.projection.unit)
         self.bodies = Bodies(self.projection)
         self.trails: Trails | Ways = Trails(self.projection)

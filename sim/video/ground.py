@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -28,16 +31,18 @@ def draw_ground(
     """The backdrop as (height, width, 3) BGR; `outside`: the colour around the world."""
     image = np.empty((projection.height, projection.width, 3), np.uint8)
     image[:] = bgr(outside)
-    width, height = backdrop.size
-    floor = np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=float)
-    cv2.fillConvexPoly(image, projection.fixed(floor), bgr(GROUND), cv2.LINE_AA, SHIFT)
+    cv2.fillConvexPoly(image, projection.fixed(floor_of(backdrop)), bgr(GROUND), cv2.LINE_AA, SHIFT)
     _draw_grid(image, backdrop.size, projection)
+    for outline, (_, color) in zip(
+        outlines_of(backdrop.marks, projection), backdrop.marks, strict=True
+    ):
+        cv2.fillConvexPoly(image, outline, bgr(soften(color)), cv2.LINE_AA, SHIFT)
     for door in backdrop.doors:
         outline = projection.fixed(np.asarray(door, dtype=float))
         cv2.fillConvexPoly(image, outline, bgr(mix(GROUND, SOFT_INK, 0.12)), cv2.LINE_AA, SHIFT)
         cv2.polylines(image, [outline], True, bgr(SOFT_INK), 1, cv2.LINE_AA, SHIFT)
     for outline, (_, color) in zip(
-        solid_outlines(backdrop, projection), backdrop.solids, strict=True
+        outlines_of(backdrop.solids, projection), backdrop.solids, strict=True
     ):
         cv2.fillConvexPoly(image, outline, bgr(soften(color)), cv2.LINE_AA, SHIFT)
     return image
@@ -46,17 +51,19 @@ def draw_ground(
 def solid_pixels(backdrop: Backdrop, projection: Projection) -> NDArray[np.bool_]:
     """(height, width) True where a wall covers most of a pixel: paint stays below."""
     mask = np.zeros((projection.height, projection.width), np.uint8)
-    for outline in solid_outlines(backdrop, projection):
+    for outline in outlines_of(backdrop.solids, projection):
         cv2.fillConvexPoly(mask, outline, 255, cv2.LINE_AA, SHIFT)
     mask[projection.field_height :] = 255
     return mask > 127
 
 
-def solid_outlines(backdrop: Backdrop, projection: Projection) -> list[NDArray[np.int32]]:
-    """Each solid's corners (k, 2) in fixed-point pixels; a map may have thousands."""
-    if not backdrop.solids:
+def outlines_of(
+    things: Sequence[tuple[NDArray[np.float64], int]], projection: Projection
+) -> list[NDArray[np.int32]]:
+    """Each thing's corners (k, 2) in fixed-point pixels; a map may have thousands."""
+    if not things:
         return []
-    corners = [np.asarray(vertices, dtype=float) for vertices, _ in backdrop.solids]
+    corners = [np.asarray(vertices, dtype=float) for vertices, _ in things]
     ends = np.cumsum([len(outline) for outline in corners])
     return np.split(projection.fixed(np.concatenate(corners)), ends[:-1])
 
@@ -69,10 +76,24 @@ def soften(color: int) -> int:
 def grid_lines(size: tuple[float, float], projection: Projection) -> list[NDArray[np.float64]]:
     """The lines of the metric grid, each (2, 2) in metres."""
     step = next((s for s in GRID_STEPS if s * projection.scale >= GRID_PIXELS), GRID_STEPS[-1])
-    width, height = size
-    lines = [[[x, 0], [x, height]] for x in np.arange(step, width - step / 100, step)]
-    lines += [[[0, y], [width, y]] for y in np.arange(step, height - step / 100, step)]
+    left, bottom = projection.low
+    right, top = left + size[0], bottom + size[1]
+    lines = [[[x, bottom], [x, top]] for x in multiples(step, left, right)]
+    lines += [[[left, y], [right, y]] for y in multiples(step, bottom, top)]
     return [np.array(line, float) for line in lines]
+
+
+def multiples(step: float, low: float, high: float) -> list[float]:
+    """The multiples of `step` between two numbers, themselves excluded."""
+    first = math.floor(low / step + 0.01) + 1
+    return [k * step for k in range(first, math.ceil(high / step - 0.01))]
+
+
+def floor_of(backdrop: Backdrop) -> NDArray[np.float64]:
+    """The corners (4, 2) of the world in metres."""
+    (left, bottom), (width, height) = backdrop.low, backdrop.size
+    right, top = left + width, bottom + height
+    return np.array([[left, bottom], [right, bottom], [right, top], [left, top]], float)
 
 
 def _draw_grid(image: NDArray[np.uint8], size: tuple[float, float], projection: Projection) -> None:

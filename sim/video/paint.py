@@ -50,7 +50,7 @@ class PaintLayer:
         self._floor: tuple[tuple[int, ...], float] | None = None
 
     def update(self, cells: NDArray[np.int16], resolution: float) -> None:
-        """Brings the image up to `cells` (rows, cols), row 0 at y = 0, `resolution` in metres."""
+        """Brings the image up to `cells` (rows, cols), row 0 lowest, `resolution` in metres."""
         if self._floor != (cells.shape, resolution):
             self._survey(cells.shape, resolution)
         seen = cells[self._rows][:, self._columns] if self._sampled else cells
@@ -65,8 +65,8 @@ class PaintLayer:
         """Finds which pixels belong to which cell."""
         self._floor = (shape, resolution)
         p = self._projection
-        x = (np.arange(p.width) + 0.5 - p.left) / p.scale
-        y = (p.bottom - np.arange(p.height) - 0.5) / p.scale
+        x = (np.arange(p.width) + 0.5 - p.left) / p.scale - p.low[0]
+        y = (p.bottom - np.arange(p.height) - 0.5) / p.scale - p.low[1]
         columns, rows = _cells_under(x, resolution, shape[1]), _cells_under(y, resolution, shape[0])
         self._sampled = resolution * p.scale < 1.0
         if self._sampled:

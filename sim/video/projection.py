@@ -40,13 +40,15 @@ class Projection:
     scale: float
     """Pixels per metre."""
     left: float
-    """Column (pixel edges, not centres) of x = 0."""
+    """Column (pixel edges, not centres) of x = 0, where coordinates count from."""
     bottom: float
     """Row (pixel edges) of y = 0."""
     unit: float = 1.0
     """Pixels per unit, in which the sizes of text and lines are told."""
     extent: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """Left, bottom, right, top in metres of what is shown: the world with its walls."""
+    low: tuple[float, float] = (0.0, 0.0)
+    """x, y in metres of the world's lower left corner."""
 
     def units(self, length: float) -> int:
         """A line's width in units as whole pixels, at least one: smoothing adds a little."""
@@ -124,39 +126,42 @@ def project(
     outlines: Iterable[NDArray[np.float64]],
     size: tuple[int, int],
     *,
+    low: tuple[float, float] = (0.0, 0.0),
     axes: bool = False,
 ) -> Projection:
     """The largest projection that shows the world and the walls around it above the status line.
 
-    Solids that reach out by more than a tenth of the world are cut, not followed. `axes`: leaves
-    room for them.
+    Solids that reach out by more than a tenth of the world are cut, not followed. `low`: the
+    world's lower left corner. `axes`: leaves room for them.
     """
     reach = 0.1 * max(world)
-    low, high = np.zeros(2), np.array(world, dtype=float)
+    least, most = np.array(low), np.add(low, world)
     for outline in outlines:
-        low = np.minimum(low, outline.min(axis=0))
-        high = np.maximum(high, outline.max(axis=0))
-    low = np.maximum(low, -reach)
-    high = np.minimum(high, np.add(world, reach))
+        least = np.minimum(least, outline.min(axis=0))
+        most = np.maximum(most, outline.max(axis=0))
+    least = np.maximum(least, np.subtract(low, reach))
+    most = np.minimum(most, np.add(low, world) + reach)
     width, height = size
     unit = unit_of(size)
     padding, strip = PADDING * unit, round(STRIP_HEIGHT * unit)
     left = below = 0.0
     if axes:
-        characters = max(len(f"{world[1]:.0f} m"), len("0.5 m"))
+        ends = (low[1], low[1] + world[1])
+        characters = max(*(len(f"{end:.0f} m") for end in ends), len("0.5 m"))
         left = (AXIS_ROOM[0] + AXIS_ROOM[1] * characters) * unit
         below = AXIS_ROOM[2] * unit
     room = np.array([width - 2 * padding - left, height - strip - 2 * padding - below])
     room = np.maximum(room, 1.0)
-    extent = high - low
+    extent = most - least
     scale = float((room / extent).min())
     corner = (room - extent * scale) / 2 + padding + (left, 0.0)
     return Projection(
         width=width,
         height=height,
         scale=scale,
-        left=float(corner[0] - low[0] * scale),
-        bottom=float(corner[1] + high[1] * scale),
+        left=float(corner[0] - least[0] * scale),
+        bottom=float(corner[1] + most[1] * scale),
         unit=unit,
-        extent=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
+        extent=(float(least[0]), float(least[1]), float(most[0]), float(most[1])),
+        low=low,
     )

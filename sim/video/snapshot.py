@@ -69,6 +69,10 @@ class Backdrop:
     """Width and height of the world in metres."""
     solids: Sequence[tuple[NDArray[np.float64], int]] = ()
     """Vertices (k, 2) in the world and 0xRRGGBB: walls, map blocks, standing obstacles."""
+    low: tuple[float, float] = (0.0, 0.0)
+    """x, y in metres of the lower left corner: where coordinates count from lies at (0, 0)."""
+    marks: Sequence[tuple[NDArray[np.float64], int]] = ()
+    """The same of what robots can drive over or under; shown below all else."""
     doors: Sequence[NDArray[np.float64]] = ()
     """Outlines (k, 2) of the cells at which robots enter."""
     title: str = ""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sim.video.axes import TICK, edges_of, ticks
 from sim.video.bodies import coat_of
-from sim.video.ground import grid_lines, soften
+from sim.video.ground import floor_of, grid_lines, soften
 from sim.video.paint import STRENGTH as PAINT
 from sim.video.paint import rectangles_of
 from sim.video.palette import (
@@ -124,12 +124,10 @@ def text(
 
 def _ground(composer: Composer) -> list[str]:
     p, backdrop = composer.projection, composer.backdrop
-    width, height = backdrop.size
-    floor = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
     outside = PAPER if composer.axes else OUTSIDE
     parts = [
         f'<rect width="{p.width}" height="{p.height}" fill="{_hex(outside)}"/>',
-        path([p.edges(floor)], fill=GROUND),
+        path([p.edges(floor_of(backdrop))], fill=GROUND),
         path([p.edges(line) for line in grid_lines(backdrop.size, p)], stroke=GRID, closed=False),
     ]
     doors = [p.edges(np.asarray(door, float)) for door in backdrop.doors]
@@ -156,7 +154,8 @@ def _axes(composer: Composer) -> list[str]:
 
 def _solids(composer: Composer) -> list[str]:
     by_color: dict[int, list[Points]] = {}
-    for vertices, color in composer.backdrop.solids:
+    backdrop = composer.backdrop
+    for vertices, color in (*backdrop.marks, *backdrop.solids):
         by_color.setdefault(soften(color), []).append(
             composer.projection.edges(np.asarray(vertices, float))
         )
@@ -172,7 +171,7 @@ def _paint(composer: Composer, composed: Composition) -> list[str]:
     for owner, rectangles in rectangles_of(composed.snapshot.floor):
         data = []
         for row, column, rows, columns in rectangles:
-            x, y = p.edges(np.array([column * step, (row + rows) * step]))
+            x, y = p.edges(np.array([column * step, (row + rows) * step]) + p.low)
             width, height = columns * step * p.scale, rows * step * p.scale
             data.append(f"M{x:.2f} {y:.2f}h{width:.2f}v{height:.2f}h{-width:.2f}z")
         color = mix(GROUND, tint(owner - 1), PAINT)

@@ -7,7 +7,7 @@ A message is little-endian. It begins with a head of 24 bytes
 and then has sections: u32 number, u32 bytes, and so many bytes, filled up with zeros to a multiple
 of four. What a section has not changed since the last message to the same viewer is left out.
 
-     1  about      JSON: title, size [m, m], models, things, doors, palette, floor, seed, ...
+     1  about      JSON: title, size [m, m], low [m, m] (the lower left corner), models, things, ...
      2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners
      3  poses      f32 x, y, yaw (robots)
      4  colors     u32 0xRRGGBB (robots)

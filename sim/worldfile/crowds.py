@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from math import hypot, pi
+from typing import Any
 
 from sim.worldfile.mistakes import Mistake
 from sim.worldfile.robots import RobotSpec
-from sim.worldfile.schema import Body, Box, Circle, Model
+from sim.worldfile.schema import Body, Model
+from sim.worldfile.shapes import Box, BoxPart, Circle, CirclePart, Compound
 
 
 def crowd_mistakes(
@@ -43,10 +45,19 @@ def crowd_mistakes(
 
 
 def _area(body: Body, around: float) -> float:
-    """Area in m2 of a convex body with a border of width `around` (Steiner's formula)."""
-    if isinstance(body, Circle):
+    """Area in m2 of a convex body with a border of width `around` (Steiner's formula).
+
+    Of a compound body that of its largest part, without a border: no more than its own.
+    """
+    if isinstance(body, Compound):
+        return max(_area_of(part, 0.0) for part in body.parts)
+    return _area_of(body, around)
+
+
+def _area_of(body: Any, around: float) -> float:
+    if isinstance(body, (Circle, CirclePart)):
         return pi * (body.radius + around) ** 2
-    if isinstance(body, Box):
+    if isinstance(body, (Box, BoxPart)):
         length, width = body.size
         area, outline = length * width, 2 * (length + width)
     else:

@@ -18,14 +18,16 @@ def size_mistakes(world: World, size: tuple[float, float]) -> list[Mistake]:
     mistakes: list[Mistake] = []
     width, height = size
     slack = 1e-9 * max(size)
+    left, low = low_corner(world.origin, size)
+    right, high = left + width, low + height
     for x, y in world.region or ():
-        if not (-slack <= x <= width + slack and -slack <= y <= height + slack):
+        if not (left - slack <= x <= right + slack and low - slack <= y <= high + slack):
             mistakes.append(
                 Mistake(
                     ("region",),
                     "a corner lies outside of the world",
                     f"[{x:g}, {y:g}]",
-                    f"x from 0 to {width:g}, y from 0 to {height:g}",
+                    f"x from {left:g} to {right:g}, y from {low:g} to {high:g}",
                 )
             )
     cells = ceil(width / world.floor.resolution) * ceil(height / world.floor.resolution)
@@ -39,6 +41,16 @@ def size_mistakes(world: World, size: tuple[float, float]) -> list[Mistake]:
             )
         )
     return mistakes
+
+
+def low_corner(
+    origin: str | tuple[float, float] | None, size: tuple[float, float]
+) -> tuple[float, float]:
+    """The lower left corner of a world of a size (m), in coordinates that count from its origin."""
+    if origin is None:
+        return 0.0, 0.0
+    x, y = (size[0] / 2, size[1] / 2) if isinstance(origin, str) else origin
+    return 0.0 - x, 0.0 - y
 
 
 def period_mistakes(world: World) -> list[Mistake]:

@@ -63,9 +63,12 @@ def _add_fragments(definitions: dict[str, Any]) -> None:
         part.pop("required", None)
         definitions[name + FRAGMENT] = part
     body: dict[str, Any] = {}
-    for name in ("Polygon", "Circle", "Box"):
+    for name in ("Compound", "Polygon", "Circle", "Box"):
         body |= definitions[name]["properties"]
-    shape = {"enum": ["box", "circle", "polygon"], "description": body["shape"]["description"]}
+    shape = {
+        "enum": ["box", "circle", "polygon", "compound"],
+        "description": body["shape"]["description"],
+    }
     definitions["Body" + FRAGMENT] = {
         "type": "object",
         "properties": {**body, "shape": shape},

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from sim.worldfile.shapes import Body
-from sim.worldfile.values import NonNegative, Part, Point, Positive, Size, wrong
+from sim.worldfile.values import NonNegative, Part, Point, Pose, Positive, Size, wrong
 
 
 class Drive(Part):
@@ -57,6 +57,11 @@ class OdometryNoise(Part):
     turn: NonNegative = Field(
         default=0.0, description="standard deviation of the relative error of a radian turned"
     )
+    bias: tuple[NonNegative, NonNegative, NonNegative] = Field(
+        default=(0.0, 0.0, 0.0),
+        description="constant relative errors of ways ahead, of ways aside and of turns: each is "
+        "drawn once a run, evenly from minus to plus half of this",
+    )
 
 
 class Sprayer(Part):
@@ -82,6 +87,11 @@ class Model(Part):
         description="what position2d reports: odometry (the own start pose is 0, 0, 0) or gps "
         "(the world pose)",
     )
+    odometry_origin: Pose | None = Field(
+        default=None,
+        description="x, y in m and heading in degrees: the pose in the world from which odometry "
+        "counts; null: where the robot starts",
+    )
     odometry_noise: OdometryNoise | None = Field(default=None, description="null: exact odometry")
     simulation: Literal["report", "full"] = Field(
         default="report",
@@ -100,12 +110,16 @@ class Model(Part):
 
     @model_validator(mode="after")
     def _noise_needs_odometry(self) -> Self:
-        if self.odometry_noise is not None and self.localization == "gps":
-            raise wrong(
-                "a gps has no odometry to drift",
-                given="localization: gps",
-                allowed="localization: odometry, or no odometry_noise",
-                at=("odometry_noise",),
-                uses=("localization",),
-            )
+        for key, what in (
+            ("odometry_noise", "a gps has no odometry to drift"),
+            ("odometry_origin", "a gps counts from the world's origin"),
+        ):
+            if getattr(self, key) is not None and self.localization == "gps":
+                raise wrong(
+                    what,
+                    given="localization: gps",
+                    allowed=f"localization: odometry, or no {key}",
+                    at=(key,),
+                    uses=("localization",),
+                )
         return self

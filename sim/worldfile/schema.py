@@ -11,6 +11,7 @@ from sim.worldfile.models import Drive, Model, OdometryNoise, Sprayer
 from sim.worldfile.options import checked_args
 from sim.worldfile.shapes import Body, Box, Circle, ConvexPolygon, Obstacle, Polygon
 from sim.worldfile.values import (
+    LARGEST,
     SMALLEST,
     Color,
     FileName,
@@ -22,6 +23,7 @@ from sim.worldfile.values import (
     Point,
     Pose,
     Positive,
+    SeenBy,
     Size,
     wrong,
 )
@@ -137,6 +139,10 @@ class Map(Part):
     height: Positive = Field(default=1.0, description="m; what a camera sees")
     friction: NonNegative = Field(
         default=0.5, description="Coulomb's coefficient where bodies touch it"
+    )
+    solid: bool = Field(default=True, description="false: its walls stop nobody")
+    seen_by: SeenBy = Field(
+        default=None, description="the kinds of sensor that see its walls; [] for none"
     )
 
     @model_validator(mode="after")
@@ -356,12 +362,31 @@ class Log(Part):
     )
 
 
+def _origin(value: Any) -> Any:
+    if value is None or value == "center":
+        return value
+    if (
+        isinstance(value, tuple)
+        and len(value) == 2
+        and all(type(v) in (int, float) and abs(v) <= LARGEST for v in value)
+    ):
+        return (float(value[0]), float(value[1]))
+    raise wrong("must be a place", given=value, allowed="[x, y] in m, or center")
+
+
 class World(Part):
     """A world: a floor, what stands on it, robots, and the programs that drive them."""
 
     name: str | None = Field(default=None, description="for people")
     size: Size | None = Field(
         default=None, description="width and height, m; required unless it follows from a map"
+    )
+    origin: Annotated[tuple[float, float] | Literal["center"] | None, BeforeValidator(_origin)] = (
+        Field(
+            default=None,
+            description="where coordinates count from: [x, y] in m from the lower left corner, or "
+            "center; default: that corner",
+        )
     )
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
         default=1, description="all that is random follows from it"

@@ -8,7 +8,18 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from sim.worldfile.values import Color, Name, NonNegative, Part, Point, Pose, Positive, Size, wrong
+from sim.worldfile.values import (
+    BodyColor,
+    Name,
+    NonNegative,
+    Part,
+    Point,
+    Pose,
+    Positive,
+    SeenBy,
+    Size,
+    wrong,
+)
 
 GRAY = 0x808080
 
@@ -60,80 +71,170 @@ ConvexPolygon = Annotated[tuple[Point, ...], AfterValidator(convex)]
 """Corners of a convex polygon; counter-clockwise after reading, whatever way they were written."""
 
 
-class Box(Part):
+class Thing(Part):
+    """What bodies of all shapes have."""
+
+    height: Positive = Field(default=1.0, description="m, from its lower end to its upper one")
+    z: NonNegative = Field(
+        default=0.0,
+        description="m above the floor at which it begins; what shares no height never touches",
+    )
+    color: BodyColor = Field(default=GRAY, description="X11 name, #rrggbb, or random")
+    mass: Positive = Field(default=10.0, description="kg")
+    friction: NonNegative = Field(
+        default=0.5, description="Coulomb's coefficient where bodies touch"
+    )
+    solid: bool = Field(
+        default=True, description="false: nothing is stopped by it, as paint on the ground"
+    )
+    seen_by: SeenBy = Field(
+        default=None,
+        description="the kinds of sensor that see it, such as [laser, ranger]; [] for none. "
+        "Default: all",
+    )
+
+
+class Box(Thing):
     """A rectangle, centred."""
 
     shape: Literal["box"] = Field(description="a rectangle, centred on the body's pose")
     size: Size = Field(description="length along the heading and width across it, m")
-    height: Positive = Field(
-        default=1.0, description="height above the floor, m; what a camera sees"
-    )
-    color: Color = Field(default=GRAY, description="X11 name or #rrggbb")
-    mass: Positive = Field(default=10.0, description="kg")
-    friction: NonNegative = Field(
-        default=0.5, description="Coulomb's coefficient where bodies touch"
-    )
 
 
-class Circle(Part):
+class Circle(Thing):
     """A disc, centred."""
 
     shape: Literal["circle"] = Field(description="a disc, centred on the body's pose")
     radius: Positive = Field(description="m")
-    height: Positive = Field(
-        default=1.0, description="height above the floor, m; what a camera sees"
-    )
-    color: Color = Field(default=GRAY, description="X11 name or #rrggbb")
-    mass: Positive = Field(default=10.0, description="kg")
-    friction: NonNegative = Field(
-        default=0.5, description="Coulomb's coefficient where bodies touch"
-    )
 
 
-class Polygon(Part):
+class Polygon(Thing):
     """A convex polygon in the body's frame."""
 
     shape: Literal["polygon"] = Field(description="a convex polygon")
     points: ConvexPolygon = Field(description="corners [x, y] in the body's frame, m")
-    height: Positive = Field(
-        default=1.0, description="height above the floor, m; what a camera sees"
+
+
+def simple(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """The corners of a polygon that may be concave, counter-clockwise.
+
+    Raises the validator's error for fewer than three corners, no area, and edges that cross.
+    """
+    corners = tuple((float(x), float(y)) for x, y in points)
+    if len(corners) < 3:
+        raise wrong("a polygon has at least 3 corners", given=f"{len(corners)} corners")
+    crossing = crossing_edges(corners)
+    if crossing is not None:
+        given = f"those from {list(corners[crossing[0]])} and from {list(corners[crossing[1]])}"
+        raise wrong("edges of the polygon cross or touch", given=given, allowed="corners in order")
+    extent = max(hypot(x - corners[0][0], y - corners[0][1]) for x, y in corners)
+    area = _signed_area(corners)
+    if abs(area) <= 1e-12 * extent * extent:
+        raise wrong("the polygon has no area", allowed="corners that are not all on one line")
+    return corners if area > 0 else corners[::-1]
+
+
+def crossing_edges(corners: Sequence[tuple[float, float]]) -> tuple[int, int] | None:
+    """The first two edges of a ring that meet without being neighbours."""
+    count = len(corners)
+    for i in range(count):
+        a, b = corners[i], corners[(i + 1) % count]
+        if a == b:
+            return i, (i + 1) % count
+        for j in range(i + 2, count - (i == 0)):
+            c, d = corners[j], corners[(j + 1) % count]
+            if _meet(a, b, c, d):
+                return i, j
+    return None
+
+
+def _meet(
+    a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
+) -> bool:
+    """Whether two segments have a point in common: either's ends lie on both sides of the other."""
+    for axis in (0, 1):
+        if max(a[axis], b[axis]) < min(c[axis], d[axis]):
+            return False
+        if max(c[axis], d[axis]) < min(a[axis], b[axis]):
+            return False
+    return _side(a, b, c) * _side(a, b, d) <= 0 and _side(c, d, a) * _side(c, d, b) <= 0
+
+
+def _side(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Above 0 where c lies to the left of the line from a to b."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+SimplePolygon = Annotated[tuple[Point, ...], Field(max_length=1000), AfterValidator(simple)]
+"""Corners of a polygon without holes; counter-clockwise after reading."""
+AT = "x, y in m and heading in degrees, in the body's frame"
+
+
+class BoxPart(Part):
+    """A rectangle of a compound body."""
+
+    shape: Literal["box"] = Field(description="a rectangle, centred on its pose")
+    size: Size = Field(description="length along its heading and width across it, m")
+    pose: Pose = Field(default=(0.0, 0.0, 0.0), description=AT)
+
+
+class CirclePart(Part):
+    """A disc of a compound body."""
+
+    shape: Literal["circle"] = Field(description="a disc, centred on its pose")
+    radius: Positive = Field(description="m")
+    pose: Pose = Field(default=(0.0, 0.0, 0.0), description=AT)
+
+
+class PolygonPart(Part):
+    """A polygon of a compound body; it may be concave."""
+
+    shape: Literal["polygon"] = Field(description="a polygon without holes")
+    points: SimplePolygon = Field(description="corners [x, y] about its pose, m, in order")
+    pose: Pose = Field(default=(0.0, 0.0, 0.0), description=AT)
+
+
+class Compound(Thing):
+    """Several parts that are one body."""
+
+    shape: Literal["compound"] = Field(description="several parts that are one body")
+    parts: Annotated[
+        tuple[Annotated[BoxPart | CirclePart | PolygonPart, Field(discriminator="shape")], ...],
+        Field(min_length=1, max_length=2000),
+    ] = Field(description="its parts: boxes, circles and polygons")
+
+
+class Standing(Thing):
+    """What obstacles of all shapes have besides."""
+
+    name: Name | None = Field(
+        default=None, description="by which programs ask where it is; no two things share one"
     )
-    color: Color = Field(default=GRAY, description="X11 name or #rrggbb")
-    mass: Positive = Field(default=10.0, description="kg")
-    friction: NonNegative = Field(
-        default=0.5, description="Coulomb's coefficient where bodies touch"
+    pose: Pose = Field(description="x, y in m and heading in degrees")
+    movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
+    fiducial: Annotated[int, Field(ge=1, le=2**31 - 1)] | None = Field(
+        default=None, description="an id that fiducial finders see"
     )
 
 
-class BoxObstacle(Box):
+class BoxObstacle(Box, Standing):
     """A box that stands in the world."""
 
-    name: Name | None = Field(
-        default=None, description="by which programs ask where it is; no two things share one"
-    )
-    pose: Pose = Field(description="x, y in m and heading in degrees")
-    movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
 
-
-class CircleObstacle(Circle):
+class CircleObstacle(Circle, Standing):
     """A disc that stands in the world."""
 
-    name: Name | None = Field(
-        default=None, description="by which programs ask where it is; no two things share one"
-    )
-    pose: Pose = Field(description="x, y in m and heading in degrees")
-    movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
 
-
-class PolygonObstacle(Polygon):
+class PolygonObstacle(Polygon, Standing):
     """A convex polygon that stands in the world."""
 
-    name: Name | None = Field(
-        default=None, description="by which programs ask where it is; no two things share one"
-    )
-    pose: Pose = Field(description="x, y in m and heading in degrees")
-    movable: bool = Field(default=False, description="true: robots can push it; it has `mass`")
+
+class CompoundObstacle(Compound, Standing):
+    """Several parts that stand in the world as one."""
 
 
-Body = Annotated[Box | Circle | Polygon, Field(discriminator="shape")]
-Obstacle = Annotated[BoxObstacle | CircleObstacle | PolygonObstacle, Field(discriminator="shape")]
+Body = Annotated[Box | Circle | Polygon | Compound, Field(discriminator="shape")]
+Obstacle = Annotated[
+    BoxObstacle | CircleObstacle | PolygonObstacle | CompoundObstacle,
+    Field(discriminator="shape"),
+]

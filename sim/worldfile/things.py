@@ -23,14 +23,10 @@ def thing_name_mistakes(
     stems = [(index, door.name) for index, door in doors]
     mistakes: list[Mistake] = []
     for index, name in named:
-        taken = owner.get(name) or next(
-            (
-                f"a robot from doors.{k} may be called so"
-                for k, stem in stems
-                if numbered(name, stem)
-            ),
-            None,
-        )
+        from_door = next((k for k, stem in stems if numbered(name, stem)), None)
+        taken = owner.get(name)
+        if taken is None and from_door is not None:
+            taken = f"a robot from doors.{from_door} may be called so"
         if taken is not None:
             where = ("obstacles", index, "name")
             mistakes.append(Mistake(where, taken, name, "another name"))

@@ -20,7 +20,7 @@ from sim.worldfile.nodes import Path
 from sim.worldfile.schema import World
 from sim.worldfile.wording import mistakes_in
 
-_OF_SHAPES = {"box": "size", "circle": "radius", "polygon": "points"}
+_OF_SHAPES = {"box": "size", "circle": "radius", "polygon": "points", "compound": "parts"}
 """The key that only bodies of a shape have."""
 
 _LISTS_OF_PARTS = frozenset({"robots", "doors", "obstacles", "sensors", "actuators"})

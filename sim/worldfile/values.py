@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from sensors.colors import parse_color
+from sensors.eyes import EYES, Eye
 
 
 class Part(BaseModel):
@@ -126,6 +127,15 @@ Finite = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
 COLOR = "^(#[0-9a-fA-F]{6}|[A-Za-z][A-Za-z0-9 ]*)$"
 """A colour's spelling; whether X11 has the name is not said by the pattern."""
 
+
+def _seen_by(value: Any) -> Any:
+    if value is not None and not isinstance(value, tuple):
+        raise wrong("must be a list", given=value, allowed=f"of {', '.join(EYES)}")
+    return value
+
+
+SeenBy = Annotated[tuple[Eye, ...] | None, BeforeValidator(_seen_by)]
+"""The kinds of sensor that see a thing; None: all."""
 Point = Annotated[tuple[Finite, Finite], _tuple_of("x, y")]
 Size = Annotated[tuple[Positive, Positive], _tuple_of("width, height")]
 Pose = Annotated[tuple[Finite, Finite, Finite], _tuple_of("x, y, heading in degrees")]
@@ -136,6 +146,20 @@ Color = Annotated[
     WithJsonSchema({"type": "string", "format": "color", "pattern": COLOR}),
 ]
 """0xRRGGBB; written as an X11 name or `#rrggbb`."""
+RANDOM = -1
+"""In place of a colour: one is drawn, by the run's seed and the thing's name."""
+
+
+def _body_color(value: Any) -> int:
+    return RANDOM if value == "random" else _color(value)
+
+
+BodyColor = Annotated[
+    int,
+    BeforeValidator(_body_color),
+    WithJsonSchema({"type": "string", "format": "color", "pattern": COLOR}),
+]
+"""A colour, or `random`."""
 FileName = Annotated[
     Path, BeforeValidator(_file), WithJsonSchema({"type": "string", "minLength": 1})
 ]

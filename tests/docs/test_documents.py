@@ -24,6 +24,7 @@ PAGES = [
     "docs/python.md",
     "docs/debugging.md",
     "docs/sweeps.md",
+    "docs/testing.md",
     "docs/paint.md",
     "docs/architecture.md",
     "docs/performance.md",

@@ -199,3 +199,31 @@ def test_mistakes_are_refused_with_a_reason():
     odometry.add_robot("a", (0, 0, 0))
     with pytest.raises(ValueError, match="odometry of 1 robots"):
         odometry.update(np.zeros((2, 3)), 0.1, 0)
+
+
+def test_a_bias_is_one_factor_of_all_ways_drawn_once_a_run_within_half_of_it():
+    def error(seed, bias, twist):
+        odometry = Odometry(seed)
+        odometry.add_robot("a", (0, 0, 0), bias=bias)
+        poses = np.array([twist]) * np.linspace(0, 1, 11)[1:, None]
+        for tick, pose in enumerate(poses):
+            odometry.update([pose], 0.1, tick)
+        return odometry.poses[0] / np.where(np.array(twist) == 0, 1, twist) - (np.array(twist) != 0)
+
+    ahead = np.array([error(seed, (0.1, 0, 0), (2, 0, 0))[0] for seed in range(40)])
+    assert (abs(ahead) <= 0.05 + 1e-12).all()
+    assert ahead.min() < -0.03
+    assert ahead.max() > 0.03
+    assert error(3, (0.1, 0, 0), (2, 0, 0))[0] == pytest.approx(ahead[3])
+    turns = np.array([error(seed, (0, 0, 0.2), (0, 0, 1.5))[2] for seed in range(40)])
+    assert (abs(turns) <= 0.1 + 1e-12).all()
+    assert np.ptp(turns) > 0.1
+    assert error(3, (0, 0, 0), (2, 0, 0)) == pytest.approx([0, 0, 0])
+
+
+def test_odometry_may_count_from_a_pose_of_the_world():
+    odometry = Odometry(1)
+    odometry.add_robot("a", (2, 1, np.pi / 2), frame=(1, 0, np.pi / 2))
+    np.testing.assert_allclose(odometry.poses[0], [1, -1, 0], atol=1e-12)
+    odometry.update([(2, 3, np.pi / 2)], 0.1, 1)
+    np.testing.assert_allclose(odometry.poses[0], [3, -1, 0], atol=1e-12)

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from sim.engine import Engine
 from sim.fleet.driver import Driver
 from sim.fleet.sleeping import ASLEEP, Sleeping
 from sim.result import RobotRecord
 from tests.patience import PATIENCE
-from tests.sim.raw_client import ACK, CLOSE, LASER, POSITION2D, RawClient, pulling
 from tests.sim.serving import Serving, World, write_world
+from troupe.simulation import Simulation
+from troupe.testing.wire import ACK, CLOSE, LASER, POSITION2D, RawClient, pulling
 
 
 class Clock:
@@ -30,10 +30,10 @@ class Clock:
     def now(self) -> float:
         return self.time + 1e-6 * (self.time > 0)  # no rounding error holds up what is due
 
-    def ticked(self, engine: Engine) -> None:
+    def ticked(self, simulation: Simulation) -> None:
         """To be called after each tick."""
         with self.changed:
-            self.ticks = engine.ticks
+            self.ticks = simulation.ticks
             self.changed.notify_all()
 
     def pass_by(self, seconds: float) -> None:
@@ -99,7 +99,7 @@ def test_the_world_waits_for_no_client_and_holds_the_pace_of_the_clock(world: Wo
         clock.time = 0.5
         with clock.changed:
             assert clock.changed.wait_for(lambda: clock.ticks >= 11, PATIENCE)
-        assert run.engine.ticks == 11
+        assert run.simulation.ticks == 11
         assert not run.engine.behind(0.0)
 
 
@@ -148,7 +148,7 @@ def test_a_program_of_the_world_file_misses_no_reading_in_a_free_world(tmp_path:
     (tmp_path / "mine.py").write_text(MINE)
     clock = Clock()
     path = write_world(tmp_path, MIXED)
-    with Serving(path, processes=True, now=clock.now, each_tick=clock.ticked) as run:
+    with Serving(path, now=clock.now, each_tick=clock.ticked) as run:
         with pulling(run.port("one")) as client:
             client.round()
             clock.pass_by(2.5)

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.sim.raw_client import ACK, LASER, NACK, RANGER, RawClient, pulling
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, LASER, NACK, RANGER, RawClient, pulling
 
 WORLD = """\
 size: [20, 20]

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from sim.worldfile import WorldError, load
-from tests.sim.raw_client import ACK, NACK, SIMULATION, RawClient, pulling, text
+from sim.build import load
+from sim.worldfile import WorldError
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, NACK, SIMULATION, RawClient, pulling, text
 
 WORLD = """\
 size: [20, 20]

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from sim.result import RobotRecord
-from tests.sim.raw_client import (
+from tests.sim.serving import Serving, World, write_world
+from troupe.testing.wire import (
     ACK,
     CLOSE,
     LASER,
@@ -18,7 +19,6 @@ from tests.sim.raw_client import (
     pulling,
     pushed,
 )
-from tests.sim.serving import Serving, World, write_world
 
 SCAN = {(LASER, 0, 1)}
 STATE = {(POSITION2D, 0, 1)}
@@ -40,9 +40,9 @@ def test_a_client_that_only_reads_has_its_data_at_once_and_is_the_clock(world: W
     with Serving(world()) as run, pulling(run.port("one"), (LASER, 0)) as client:
         for k in range(5):
             assert set(client.round()) == SCAN
-            assert run.engine.ticks == k + 1
+            assert run.simulation.ticks == k + 1
         heard(client)
-        assert run.engine.ticks == 5  # the world waits for it
+        assert run.simulation.ticks == 5  # the world waits for it
         assert robot(run).devices == ["laser:0"]
 
 
@@ -65,9 +65,9 @@ def test_a_client_that_has_asked_first_is_the_clock_and_a_second_that_reads_look
         first.data.clear()
         for _ in range(5):  # what it asks for is there already: it holds nobody up
             second.round()
-        assert run.engine.ticks == 6
+        assert run.simulation.ticks == 6
         assert set(first.round()) == SCAN
-        assert run.engine.ticks == 6
+        assert run.simulation.ticks == 6
 
 
 def test_who_drives_comes_before_who_only_reads_from_its_first_request_on(world: World) -> None:
@@ -80,17 +80,17 @@ def test_who_drives_comes_before_who_only_reads_from_its_first_request_on(world:
         with pulling(run.port("one")) as driver:
             looker.round()
             reader.round()  # the driver has not asked yet: it holds nobody up
-            ticks = run.engine.ticks
+            ticks = run.simulation.ticks
             driver.round()
             for _ in range(3):
                 driver.drive(0.3)
                 driver.round()
-            assert run.engine.ticks >= ticks + 3
-            ticks = run.engine.ticks
+            assert run.simulation.ticks >= ticks + 3
+            ticks = run.simulation.ticks
             reader.round()
             reader.ask()  # it looks on now, and waits for the driver
             heard(driver)
-            assert run.engine.ticks == ticks
+            assert run.simulation.ticks == ticks
             driver.round()
             reader.answer()
         result = run.result()
@@ -105,7 +105,7 @@ def test_who_has_subscribed_the_drive_first_is_waited_for_and_others_look_on(wor
     ):
         looker.ask()
         heard(driver)
-        assert run.engine.ticks == 0
+        assert run.simulation.ticks == 0
         driver.round()
         looker.answer()
 
@@ -118,7 +118,7 @@ def test_who_has_subscribed_nothing_that_sends_data_is_no_clock(world: World) ->
         mute.ask()
         assert mute.receive().type == ACK
         heard(mute)
-        assert run.engine.ticks == 0
+        assert run.simulation.ticks == 0
 
 
 def test_a_client_of_all_robots_is_the_clock_of_those_it_reads(world: World) -> None:
@@ -129,7 +129,7 @@ def test_a_client_of_all_robots_is_the_clock_of_those_it_reads(world: World) -> 
     ):
         for k in range(3):
             assert set(client.round()) == {(POSITION2D, 0, 1), (LASER, 1, 1)}
-            assert run.engine.ticks == k + 1
+            assert run.simulation.ticks == k + 1
 
 
 POST = """\
@@ -145,9 +145,9 @@ def test_a_robot_without_a_drive_has_a_clock_too(tmp_path: Path) -> None:
         with pulling(run.port("one"), (LASER, 0)) as client:
             client.round()
             client.round()
-            ticks = run.engine.ticks
+            ticks = run.simulation.ticks
             assert client.request(LASER, 0, 1).type == ACK
-            assert run.engine.ticks == ticks == 2
+            assert run.simulation.ticks == ticks == 2
             client.access(LASER, 0, CLOSE)
         assert run.result().robot("one").state == "finished"
 
@@ -194,10 +194,10 @@ def test_who_has_finished_may_come_back(world: World, device: int) -> None:
             other.round()
             again.answer()
             assert robot(run).state == "running"
-            ticks = run.engine.ticks
+            ticks = run.simulation.ticks
             other.ask()
             heard(again)
-            assert run.engine.ticks == ticks  # it is waited for
+            assert run.simulation.ticks == ticks  # it is waited for
             again.round()
             other.answer()
 

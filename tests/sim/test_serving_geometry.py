@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.sim.raw_client import ACK, LASER, POSITION2D, RANGER, RawClient, pulling
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, LASER, POSITION2D, RANGER, RawClient, pulling
 
 # a pioneer's box, the middle of which is 4 cm behind its axle
 WORLD = """\

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import troupe
-from tests.sim.raw_client import (
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     GRAPHICS2D,
     LASER,
     NACK,
@@ -21,7 +22,6 @@ from tests.sim.raw_client import (
     pulling,
     text,
 )
-from tests.sim.serving import Serving, write_world
 
 WORLD = """\
 size: [20, 20]

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 import troupe
-from tests.sim.raw_client import (
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     ACK,
     DATA,
     LASER,
@@ -21,7 +22,6 @@ from tests.sim.raw_client import (
     message,
     pulling,
 )
-from tests.sim.serving import Serving, write_world
 
 WORLD = """\
 size: [20, 20]
@@ -137,11 +137,11 @@ def test_who_may_not_pause_is_not_taken_for_who_has(path: Path) -> None:
         assert run.engine.context.paused  # it has gone, and the pause was not its own
         one.ask()
         two.ask()
-        ticks = run.engine.ticks
+        ticks = run.simulation.ticks
         pause(onlooker)
         one.answer()
         two.answer()
-        assert run.engine.ticks == ticks + 1
+        assert run.simulation.ticks == ticks + 1
 
 
 def test_who_has_paused_reads_on_what_is_and_lets_the_world_go_on(path: Path) -> None:
@@ -162,14 +162,14 @@ def test_who_has_paused_reads_on_what_is_and_lets_the_world_go_on(path: Path) ->
         got = one.round()
         assert got[POSITION2D, 0, 1] == before
         assert max(got[LASER, 0, 1].unpack("4f2I180f2II")[6:186]) > 5
-        assert run.engine.ticks == 1
+        assert run.simulation.ticks == 1
         pause(one)
-        assert run.engine.ticks == 1  # it is waited for again
+        assert run.simulation.ticks == 1  # it is waited for again
         one.data.clear()
         one.ask()
         two.answer()
         assert one.answer()[POSITION2D, 0, 1].time == pytest.approx(0.2)
-        assert run.engine.ticks == 2
+        assert run.simulation.ticks == 2
 
 
 def test_who_asks_and_then_pauses_is_answered_too(path: Path) -> None:
@@ -185,4 +185,4 @@ def test_who_asks_and_then_pauses_is_answered_too(path: Path) -> None:
         pause(one)
         one.send(message(PLAYER, 0, REQ, 4))
         assert one.receive().type == ACK
-        assert run.engine.ticks == 0  # the other one is waited for, as ever
+        assert run.simulation.ticks == 0  # the other one is waited for, as ever

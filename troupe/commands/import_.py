@@ -37,12 +37,16 @@ def import_(
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Write over files that exist.")] = False,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Fail if anything is lost that changes what robots do."),
+    ] = False,
 ) -> None:
     """Turn a world of Stage's into a world file, and list what could not be carried over.
 
     The list names file and line. Exit code 0: the world file is written and in order; 1: it is
-    written, but something in it must be mended by hand; 2: the input has a mistake, or a file
-    is in the way.
+    written, but something in it must be mended by hand, or with --strict something was not
+    carried over; 2: the input has a mistake, or a file is in the way.
     """
     from troupe.importers.stage import StageError, convert  # noqa: PLC0415 - other commands stay quick
 
@@ -57,7 +61,8 @@ def import_(
     print("\n".join([*report(converted.notes), "", f"{target}: {verdict(target, mistakes)}"]))
     for mistake in mistakes:
         print(mistake, file=sys.stderr)
-    raise typer.Exit(1 if mistakes else 0)
+    lost = strict and any(note.kind == "lost" for note in converted.notes)
+    raise typer.Exit(1 if mistakes or lost else 0)
 
 
 def write(converted: Converted, target: Path, force: bool) -> None:
@@ -92,13 +97,8 @@ def verdict(target: Path, mistakes: Sequence[str]) -> str:
     return f"written, but {len(mistakes)} thing(s) in it must be mended by hand"
 
 
-MOST_ALIKE = 3
-"""Lines that say the same of different places; of more, as of a hundred robots, the first one
-stands for all."""
-
-
 def report(notes: Sequence[Note]) -> list[str]:
-    """The notes as lines under headings."""
+    """The notes as lines under headings: one for each thing, with how many places and the first."""
     from troupe.importers.stage.notes import HEADINGS  # noqa: PLC0415
 
     lines: list[str] = []
@@ -108,9 +108,6 @@ def report(notes: Sequence[Note]) -> list[str]:
         for note in group:
             alike.setdefault(note.what, []).append(note)
         for same in alike.values():
-            if len(same) <= MOST_ALIKE:
-                lines += [f"  {note}" for note in same]
-            else:
-                places = f"{len(same)} places in all, the last {same[-1].place.file}:"
-                lines.append(f"  {same[0]} ({places}{same[-1].place.line})")
+            more = f" (and in {len(same) - 1} more place{'s' * (len(same) > 2)})"
+            lines.append(f"  {same[0]}{more if len(same) > 1 else ''}")
     return lines or ["everything was carried over"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sim.showing import backdrop_of
-from sim.stage.geometry import outline
+from sim.silhouette import silhouette
 from sim.video import palette
 from sim.view.moment import Scene
 
@@ -38,6 +38,7 @@ def scene_of(
     about = {
         "title": backdrop.title,
         "size": list(backdrop.size),
+        "low": list(backdrop.low),
         "doors": [np.asarray(door).round(4).tolist() for door in backdrop.doors],
         "models": {name: model_of(model) for name, model in world.models.items()},
         "things": [
@@ -61,7 +62,7 @@ def scene_of(
             "soft_ink": palette.SOFT_INK,
         },
     }
-    return Scene(about, backdrop.solids)
+    return Scene(about, [*backdrop.marks, *backdrop.solids])
 
 
 def floor_of(loaded: LoadedWorld) -> dict[str, Any]:
@@ -77,7 +78,7 @@ def model_of(model: Any) -> dict[str, Any]:
     drive = model.drive
     return {
         "shape": shape_of(model.body),
-        "color": model.body.color,
+        "color": max(model.body.color, 0),  # a random one is each robot's own
         "fiducial": model.fiducial,
         "drive": None
         if drive is None
@@ -93,4 +94,4 @@ def shape_of(body: Any) -> dict[str, Any]:
     """A body's outline: a radius, or corners in its frame."""
     if body.shape == "circle":
         return {"radius": body.radius}
-    return {"corners": np.asarray(outline(body), float).round(6).tolist()}
+    return {"corners": np.asarray(silhouette(body), float).round(6).tolist()}

@@ -42,7 +42,7 @@ def test_the_boundary_stands_outside_and_has_no_gap() -> None:
         area += signed_area(solid.vertices)
     # They fill the whole frame: no gap at the corners, and no piece twice.
     assert area == pytest.approx(16.6 * 21.6 - 16 * 21)
-    assert (layout.segment_colors == 0xFF0000).all()
+    assert [look.color for look in layout.looks] == [0xFF0000]
     assert len(layout.segments) == 4
 
 
@@ -98,8 +98,8 @@ def test_what_stands_is_solid_and_what_moves_is_not() -> None:
     )
     (solid,) = layout.solids
     assert np.ptp(solid.vertices, axis=0) == pytest.approx([1, 2])
-    assert (solid.color, solid.height) == (0x112233, 0.4)
-    assert layout.segment_colors.tolist() == [0x112233] * 4
+    assert (solid.look.color, solid.look.height) == (0x112233, 0.4)
+    assert [layout.looks[n].color for n in layout.segment_looks] == [0x112233] * 4
     (movable,) = layout.movables
     assert (movable.pose, movable.mass) == ((7.0, 7.0, 0.0), 3.0)
     assert len(layout.segments) == 4  # sensors see the movable one as a body of its own

@@ -107,6 +107,7 @@ def test_required_keys_are_documented_as_required() -> None:
         ("models.NAME.actuators[]", "type"), ("robots[]", "model"), ("doors[]", "name"),
         ("doors[]", "at"), ("doors[]", "model"), ("doors[]", "period"),
         ("log", "file"),
+        ("models.NAME.body.parts[]", "shape"), ("obstacles[].parts[]", "shape"),
     }  # fmt: skip
     for section, key in required:
         assert "default" not in in_schema()[section][key], f"{section}.{key}"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from troupe.importers.stage.polygons import Polygon, hull
+from troupe.importers.stage.polygons import Polygon
 from troupe.importers.stage.tokens import Place, StageError
 from troupe.importers.stage.values import Pose
 
@@ -66,8 +66,13 @@ class Plan:
         return found
 
 
-def read_plan(name: str, folder: str, pose: Pose, size: tuple[float, float], place: Place) -> Plan:
-    """Read a model's bitmap; relative names start at the world file's folder. Raises StageError."""
+def read_plan(
+    name: str, folder: str, pose: Pose, size: tuple[float, float], place: Place
+) -> Plan | None:
+    """Read a model's bitmap; relative names start at the world file's folder. Raises StageError.
+
+    None for one without a dark pixel, of which nothing is solid.
+    """
     from sim.stage.imagemap import TooLarge, read_pixels  # noqa: PLC0415  (loads OpenCV)
     from sim.worldfile.reading import NotRead  # noqa: PLC0415
 
@@ -82,7 +87,7 @@ def read_plan(name: str, folder: str, pose: Pose, size: tuple[float, float], pla
     first = pixels if pixels.ndim == 2 else pixels[:, :, min(2, pixels.shape[2] - 1)]
     walls = np.asarray(first <= SOLID)
     if not walls.any():
-        raise StageError(place, f"the bitmap {path} has no dark pixel, so nothing of it is solid")
+        return None
     rows, columns = np.flatnonzero(walls.any(axis=1)), np.flatnonzero(walls.any(axis=0))
     cut = walls[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     whole = cut.shape == walls.shape and np.array_equal(_as_map(path), walls)
@@ -96,16 +101,18 @@ def _as_map(path: str) -> Bools:
     return read_image_map(Path(path))
 
 
-def outline(plan: Plan) -> Polygon:
-    """The convex hull of a bitmap's solid pixels, in pixels, y upwards."""
-    rows = plan.walls.shape[0]
-    corners: Polygon = []
-    for row in range(rows):
-        columns = np.flatnonzero(plan.walls[row])
-        if len(columns):
-            for x in (float(columns[0]), float(columns[-1] + 1)):
-                corners += [(x, float(rows - row)), (x, float(rows - row - 1))]
-    return hull(corners)
+def rectangles(plan: Plan) -> list[Polygon]:
+    """A bitmap's solid pixels as rectangles that fill them, in metres about the plan's middle."""
+    from sim.stage.raster import merged_rectangles  # noqa: PLC0415
+
+    rows, columns = plan.walls.shape
+    across, up = plan.pitch
+    found: list[Polygon] = []
+    for left, top, right, bottom in merged_rectangles(plan.walls).tolist():
+        x0, x1 = (left - columns / 2) * across, (right - columns / 2) * across
+        y0, y1 = (rows / 2 - bottom) * up, (rows / 2 - top) * up
+        found.append([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+    return found
 
 
 @dataclass(frozen=True)

@@ -8,20 +8,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sensors.colors import parse_color
 from troupe.importers.stage import values
 from troupe.importers.stage.bitmap import Bools, draw
+from troupe.importers.stage.carried import movable_of, posed
 from troupe.importers.stage.drivers import Table, read_table
-from troupe.importers.stage.leftover import note_leftovers
+from troupe.importers.stage.footprint import height_of
+from troupe.importers.stage.leftover import note_leftovers, own_controller
 from troupe.importers.stage.names import robot_names
 from troupe.importers.stage.notes import Note, Notes
 from troupe.importers.stage.ports import check_addresses, in_order_of_ports, ports_of
-from troupe.importers.stage.robots import Robot, landmark_of, robot_of
+from troupe.importers.stage.robots import Robot, robot_of
 from troupe.importers.stage.sensing import SENSORS
 from troupe.importers.stage.surroundings import Standing, Surroundings, standing, surroundings_of
 from troupe.importers.stage.syntax import Entity, read_file
 from troupe.importers.stage.text import Block, Line, Node, dump
-from troupe.importers.stage.things import TYPES, Thing, things_in
+from troupe.importers.stage.things import TYPES, Thing, is_movable, things_in
 from troupe.importers.stage.tokens import Place, StageError
 
 CLIENT = "client"
@@ -75,41 +76,37 @@ def convert(world: str, cfg: str | None, output: Path) -> Converted:
     scanners = table.scanners if table is not None else None
     robots = [robot_of(thing, units, source.folder, scanners, notes) for thing in movers]
     still: list[Standing] = []
+    moving: list[tuple[dict[str, Any], Place]] = []
     for thing in everything:
         entity = thing.entity
         if entity.type == "position":
             continue
         if entity.type != "model":
             _note_lone(thing, notes)
-        elif _is_landmark(thing):
-            robots.append(landmark_of(thing, source.folder, notes))
+        elif is_movable(thing):
+            moving += movable_of(thing, source.folder, notes)
         else:
             one = standing(thing, source.folder, movers, notes)
             still += [one] if one is not None else []
     if table is not None:
         robots = in_order_of_ports(robots, table)
         check_addresses(table, robots, ports_of(table), notes)
-    surroundings = surroundings_of(still, [robot.thing for robot in robots], notes)
+    surroundings = surroundings_of(
+        still, [robot.thing for robot in robots], [data for data, _ in moving]
+    )
+    surroundings.obstacles += moving
     block = _world(source, surroundings, robots, table)
     note_leftovers([root], notes)
-    text = _heading(source, cfg, surroundings) + dump(block) + "\n"
+    text = _heading(source, cfg) + dump(block) + "\n"
     listed = notes.listed()
     return Converted(text, source.images, listed)
 
 
 def _walked(thing: Thing) -> list[Thing]:
-    """The thing and what stands on it; a robot with all that it carries is one thing."""
-    if thing.entity.type == "position":
+    """The thing and what stands on it; what can move, with all that it carries, is one thing."""
+    if thing.entity.type == "position" or is_movable(thing):
         return [thing]
     return [thing, *(one for child in thing.children for one in _walked(child))]
-
-
-def _is_landmark(thing: Thing) -> bool:
-    """Whether a model carries a fiducial, and has its place on the floor to itself."""
-    entity, parent = thing.entity, thing.parent
-    if values.number(entity, "fiducial_return", 0) <= 0 or "bitmap" in entity.properties:
-        return False
-    return parent is None or "bitmap" in parent.entity.properties
 
 
 def _note_lone(thing: Thing, notes: Notes) -> None:
@@ -123,18 +120,9 @@ def _note_lone(thing: Thing, notes: Notes) -> None:
         notes.lost(entity.place, f"{what}: there is no {entity.type} here")
 
 
-def _heading(source: _Source, cfg: str | None, surroundings: Surroundings) -> str:
+def _heading(source: _Source, cfg: str | None) -> str:
     files = os.path.basename(source.world) + (f" and {os.path.basename(cfg)}" if cfg else "")
-    x, y = (values_text(-corner) for corner in surroundings.corner)
-    return (
-        f"# Imported from {files}, files of Stage and Player.\n"
-        f"# Stage's origin is at [{x}, {y}] here: positions count from the lower left corner.\n\n"
-    )
-
-
-def values_text(number: float) -> str:
-    """A number as the world file writes it."""
-    return dump({"_": Line(number)}).removeprefix("_: ")
+    return f"# Imported from {files}, files of Stage and Player.\n\n"
 
 
 def _world(
@@ -148,6 +136,7 @@ def _world(
     frame = surroundings.frame
     around = source.short(frame.thing.entity.place) if frame else "room around all that there is"
     block["size"] = Line(list(surroundings.size), around)
+    block["origin"] = Line(surroundings.origin, "Stage's origin")
     quit_time = values.number(root, "quit_time", 0.0)
     if quit_time > 0:
         block["duration"] = Line(quit_time, _from(source, root, "quit_time"))
@@ -161,8 +150,8 @@ def _world(
         raise StageError(root.properties["interval_sim"].place, "interval_sim must be above 0")
     block["clock"] = Line({"interval": interval}, _from(source, root, "interval_sim"))
     block["boundary"] = Line(None)
-    if frame is not None and frame.has_boundary:
-        wall = {"color": frame.color, "height": frame.height}
+    if frame is not None and frame.has_boundary and frame.is_wall:
+        wall = {"color": frame.color, "height": height_of(frame.rise)["height"]}
         block["boundary"] = Line(wall, source.short(frame.thing.entity.place))
     if surroundings.plans:
         block["map"] = _map(source, surroundings)
@@ -182,10 +171,10 @@ def _world(
                 {
                     "name": next(names),
                     "model": model_of[robot.key],
-                    "pose": surroundings.place(robot.thing.pose),
+                    "pose": posed(robot.thing.pose),
                     "controller": CLIENT
                     if table is not None and robot.thing.name in table.robots
-                    else None,
+                    else own_controller(robot.thing.entity, notes),
                 },
                 source.short(robot.place),
             )
@@ -246,11 +235,6 @@ def _map(source: _Source, surroundings: Surroundings) -> Line:
     notes = source.notes
     largest = max(surroundings.plans, key=lambda one: one.plan.size[0] * one.plan.size[1])  # type: ignore[union-attr]
     plans = [one.plan for one in surroundings.plans if one.plan is not None]
-    for one in surroundings.plans:
-        if parse_color(one.color) != parse_color(largest.color):
-            notes.differs(
-                one.thing.entity.place, f"the walls of a map have one colour: {largest.color}"
-            )
     place = largest.thing.entity.properties["bitmap"].place
     plan = plans[0]
     drawn = draw(plans, surroundings.corner, surroundings.size)
@@ -268,7 +252,6 @@ def _map(source: _Source, surroundings: Surroundings) -> Line:
     data: dict[str, Any] = {
         "file": Path(file).as_posix(),
         "resolution": drawn.cell,
-        "color": largest.color,
-        "height": largest.height,
+        **largest.look(),
     }
     return Line(data, source.short(place))

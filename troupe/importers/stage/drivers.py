@@ -77,15 +77,15 @@ def read_table(path: str, robots: Sequence[Thing], notes: Notes) -> Table:
     """Read a .cfg for a world with these robots. Raises StageError."""
     drivers = [child for child in read_file(path, TYPES).children if child.type == "driver"]
     table = Table()
-    known = {robot.name: robot for robot in robots}
+    parts = {part.name: (robot, part) for robot in robots for part in robot.all()}
     for driver in drivers:
         driver.used |= {"alwayson", "usegui", "worldfile", "plugin"}
         if values.text(driver, "name", "") == "stage":
-            _stage_driver(driver, known, table, notes)
+            _stage_driver(driver, parts, table, notes)
     for driver in drivers:
         name = values.text(driver, "name", "")
         if name == "rangertolaser":
-            _converter(driver, table)
+            _converter(driver, table, notes)
         elif name != "stage":
             driver.used |= set(driver.properties)
             notes.lost(
@@ -118,7 +118,13 @@ def _addresses(found: Property | None) -> list[tuple[str, Address]]:
     return result
 
 
-def _stage_driver(driver: Entity, robots: dict[str, Thing], table: Table, notes: Notes) -> None:
+def _stage_driver(
+    driver: Entity, parts: dict[str, tuple[Thing, Thing]], table: Table, notes: Notes
+) -> None:
+    """What a driver of Stage's provides: devices of a robot, or of a sensor that is named itself.
+
+    parts: of each name the robot that has it, and the robot itself or what it carries.
+    """
     provides = values.get(driver, "provides")
     if provides is None:
         raise StageError(driver.place, "a driver needs provides [ ... ]")
@@ -130,35 +136,37 @@ def _stage_driver(driver: Entity, robots: dict[str, Thing], table: Table, notes:
             table.simulation = True
             continue
         if not model:
-            raise StageError(place, f"{address}: the driver does not say which model it is of")
-        robot = robots.get(model)
-        if robot is None:
-            raise StageError(
-                driver.properties["model"].place,
-                f"the world has no robot {model}{suggestion(model, robots)}",
-            )
+            notes.lost(place, f"{address}: the driver does not say which model it is of")
+            continue
+        if model not in parts:
+            hint = suggestion(model, parts)
+            notes.lost(place, f"{name} of {model}, which is no robot{hint}: it is not served here")
+            continue
+        robot, named = parts[model]
         if name.upper() not in Interface.__members__:
-            raise StageError(place, f"{address}: Player has no interface {name}")
+            notes.lost(place, f"Player has no interface {name}")
+            continue
         if name in OF_THE_ROBOT:
-            table.served.append(Served(address, model, None, place))
+            table.served.append(Served(address, robot.name, None, place))
         elif name in CHILDREN:
-            part = _unused(robot, name, table)
+            part = _unused(named, name, table)
             if part is None:
-                notes.lost(place, f"{address}: {model} has no {name} left that it could be")
+                notes.lost(place, f"{name}: the model has none left that it could be")
             else:
-                table.served.append(Served(address, model, part.name, place))
+                table.served.append(Served(address, robot.name, part.name, place))
         else:
-            notes.lost(place, f"{address} of {model}: the interface is not served here")
+            notes.lost(place, f"{name}: the interface is not served here")
 
 
-def _unused(robot: Thing, interface: str, table: Table) -> Thing | None:
-    """The sensor model of a robot that is meant: the first one that has not been given away.
+def _unused(named: Thing, interface: str, table: Table) -> Thing | None:
+    """The sensor model that is meant: the first one of what is named that is not given away.
 
     Of Stage 2 and 3 there are tables that ask for lasers and sonars by these names; a ranger that
     scans is then the laser, one of single beams the sonar.
     """
     taken = {one.part for one in table.served}
-    fitting = [one for one in robot.of_type(*CHILDREN[interface]) if one.name not in taken]
+    kinds = CHILDREN[interface]
+    fitting = [one for one in named.all() if one.entity.type in kinds and one.name not in taken]
     if interface in ("laser", "sonar"):
         fitting = [one for one in fitting if _scans(one) == (interface == "laser")]
     return fitting[0] if fitting else None
@@ -172,7 +180,7 @@ def _scans(thing: Thing) -> bool:
     )
 
 
-def _converter(driver: Entity, table: Table) -> None:
+def _converter(driver: Entity, table: Table, notes: Notes) -> None:
     """rangertolaser: a ranger that is served as a laser too."""
     required = _addresses(values.get(driver, "requires"))
     provided = _addresses(values.get(driver, "provides"))
@@ -181,6 +189,7 @@ def _converter(driver: Entity, table: Table) -> None:
         source = sources.get(wanted)
         if source is None:
             place = driver.properties["requires"].place
-            raise StageError(place, f"{wanted}: nobody provides it")
+            notes.lost(place, f"{wanted}: nobody provides it")
+            continue
         place = driver.properties["provides"].place
         table.served.append(Served(offered, source.robot, source.part, place))

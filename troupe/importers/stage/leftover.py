@@ -20,16 +20,16 @@ UNNEEDED = {
     "debug": WINDOW,
     "alwayson": "what nobody reads costs nothing here",
     "event_queue": "a run gives the same result on any number of cores",
-    "stack_children": "heights of sensors have no effect here",
-    "blob_return": "Stage itself does not look at it",
     "localization_origin": "Stage itself does not look at it where the robot has gps",
+    "odom": "Stage itself does not look at it any more",
+    "lazy": "what nobody reads costs nothing here",
+    "polygons": "a model of Stage 2 has polygon[i].points besides",
     "odom_error": "a robot with gps has no odometry",
     "wheelbase": "only a car has one",
 }
 """Why a property can be done without."""
 
 LOST = {
-    "say": "what is said belongs to programs (Player's speech)",
     "friction": "Stage's friction slows what is pushed; here `friction` is Coulomb's coefficient",
     "joules": "energy is not simulated",
     "joules_capacity": "energy is not simulated",
@@ -40,16 +40,18 @@ LOST = {
     "take_watts": "energy is not simulated",
     "update_interval": "every device gives data once per clock.interval",
     "fiducial_key": "every finder sees every fiducial (a finder's `ids` can choose)",
-    "gripper_return": "there are no grippers",
-    "ranger_return": "rangers see everything, and measure no intensities",
-    "obstacle_return": "everything that is here is solid",
-    "fiducial_return": "only robots carry fiducials",
+    "gripper_return": "a robot is no thing that others push and grip",
     "velocity": "what stands, stands still until it is pushed",
     "mass": "only what moves has a mass",
     "boundary": "a robot has no boundary",
     "colors_count": "there are no colors",
 }
 """What is missing with a property."""
+
+LOOKS = {
+    "say": "what is said belongs to programs (Player's speech)",
+}
+"""What only Stage's window shows."""
 
 NO_CHANGE = {
     "alwayson": 0.0,
@@ -97,20 +99,34 @@ def _note(entity: Entity, key: str, found: Property, notes: Notes) -> None:
         notes.unneeded(place, f"{key}: {UNNEEDED[key]}")
     elif key.startswith(WINDOW_PREFIXES):
         notes.unneeded(place, f"{key}: {WINDOW}")
+    elif key in LOOKS:
+        notes.looks(place, f"{key}: {LOOKS[key]}")
     elif key in LOST:
         notes.lost(place, f"{key}: {LOST[key]}")
     else:
         notes.lost(place, f"{key}: no property of {entity.type} that is known here")
 
 
-def _controller(library: str) -> str:
-    from sim.worldfile.programs import find_program  # noqa: PLC0415
+OURS = ("wander",)
+"""Controllers that come with Stage, and with Troupe under the same name."""
 
-    if library.isidentifier() and find_program(library):
-        advice = f"`controller: {library}` is a program of ours of that name"
-    else:
-        advice = (
-            "write a Player client, and name it: "
-            f"`controllers: {{{library or 'mine'}: {{program: ./{library or 'mine'}.py}}}}`"
-        )
-    return f'ctrl "{library}": a library of Stage, not a program; {advice}'
+
+def own_controller(entity: Entity, notes: Notes) -> str | None:
+    """The program of ours that drives a robot as the `ctrl` of its model would, if there is one."""
+    found = entity.properties.get("ctrl")
+    library = str(found.values[0]).split()[0:1] if found is not None and found.values else []
+    if found is None or not library or library[0] not in OURS:
+        return None
+    entity.used.add("ctrl")
+    notes.differs(
+        found.place, f'ctrl "{library[0]}": Troupe\'s own program of that name drives the robot'
+    )
+    return library[0]
+
+
+def _controller(library: str) -> str:
+    name = library if library.isidentifier() else "mine"
+    return (
+        f'ctrl "{library}": a library of Stage, not a program; write a Player client, and name it: '
+        f"`controllers: {{{name}: {{program: ./{name}.py}}}}`"
+    )

@@ -7,11 +7,12 @@ from typing import Literal
 
 from troupe.importers.stage.tokens import Place
 
-Kind = Literal["lost", "differs", "unneeded"]
+Kind = Literal["lost", "differs", "looks", "unneeded"]
 
 HEADINGS: dict[Kind, str] = {
-    "lost": "not carried over",
+    "lost": "not carried over, and robots behave otherwise for it",
     "differs": "otherwise than in Stage",
+    "looks": "not carried over, and only seen in Stage's window",
     "unneeded": "of no use here",
 }
 """What the kinds are called in the list that people read, in that order."""
@@ -42,6 +43,10 @@ class Notes:
     def differs(self, place: Place, what: str) -> None:
         """Something that is there, but not quite as Stage has it."""
         self._found[Note("differs", place, what)] = None
+
+    def looks(self, place: Place, what: str) -> None:
+        """Something that shows in Stage's window, and that no sensor sees."""
+        self._found[Note("looks", place, what)] = None
 
     def unneeded(self, place: Place, what: str) -> None:
         """Something that concerns Stage's window or its insides, and no robot."""

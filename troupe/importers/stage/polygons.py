@@ -1,4 +1,4 @@
-"""Plane geometry for bodies: convex hulls, and polygons cut into convex pieces."""
+"""Plane geometry for bodies: areas, bounds, convex hulls."""
 
 from __future__ import annotations
 
@@ -65,39 +65,3 @@ def cleaned(polygon: Sequence[Point]) -> Polygon:
 def is_convex(polygon: Sequence[Point]) -> bool:
     """Whether a cleaned polygon is its own hull."""
     return abs(area(hull(polygon)) - area(polygon)) <= 1e-9 * max(area(polygon), 1e-300)
-
-
-def convex_pieces(polygon: Sequence[Point]) -> list[Polygon]:
-    """A simple polygon as convex polygons that fill it: itself, or triangles (ear clipping).
-
-    Empty for one without area; the hull for one whose edges cross.
-    """
-    corners = cleaned(polygon)
-    if len(corners) < 3 or area(corners) <= 0.0:
-        return []
-    if is_convex(corners):
-        return [corners]
-    whole, pieces = area(corners), []
-    rest = list(corners)
-    while len(rest) > 3:
-        ear = next((i for i in range(len(rest)) if _is_ear(rest, i)), None)
-        if ear is None:
-            return [hull(corners)]
-        pieces.append([rest[ear - 1], rest[ear], rest[(ear + 1) % len(rest)]])
-        del rest[ear]
-    pieces.append(rest)
-    pieces = [piece for piece in pieces if area(piece) > 1e-12 * whole]
-    if abs(sum(map(area, pieces)) - whole) > 1e-9 * whole:
-        return [hull(corners)]
-    return pieces
-
-
-def _is_ear(corners: Sequence[Point], i: int) -> bool:
-    a, b, c = corners[i - 1], corners[i], corners[(i + 1) % len(corners)]
-    if cross(a, b, c) <= 0.0:
-        return False
-    return not any(
-        cross(a, b, p) >= 0.0 and cross(b, c, p) >= 0.0 and cross(c, a, p) >= 0.0
-        for p in corners
-        if p not in (a, b, c)
-    )

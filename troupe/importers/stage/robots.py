@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from troupe.importers.stage import values
-from troupe.importers.stage.bitmap import outline, read_plan
-from troupe.importers.stage.footprint import footprint
+from troupe.importers.stage.carried import carried, fiducial_of, posed, rise_of
+from troupe.importers.stage.footprint import body_of, height_of
 from troupe.importers.stage.notes import Notes
-from troupe.importers.stage.polygons import Polygon, area
+from troupe.importers.stage.returns import Returns
 from troupe.importers.stage.sensing import SENSORS, Sensor, sensors_of
 from troupe.importers.stage.syntax import Entity
 from troupe.importers.stage.text import flow
@@ -19,7 +19,12 @@ from troupe.importers.stage.things import Thing
 from troupe.importers.stage.tokens import Place, StageError
 from troupe.importers.stage.values import Units
 
+LIGHTS = ("blinkenlight", "lightindicator")
 DRIVES = {"diff": "differential", "omni": "omnidirectional", "car": "car"}
+LEAST_SPEED, LEAST_TURN = 1e-6, 1e-4
+"""m/s and degrees/s of a drive that shall not do the one or the other."""
+ODOM_ERROR = (0.03, 0.03, 0.0, 0.05)
+"""Stage's default: the widths of the spreads of relative errors along x, y, z and of turns."""
 CAR_STEERING = 45.0
 """Degrees to either side: Stage's cars have no limit, ours must have one."""
 
@@ -47,61 +52,33 @@ def robot_of(
 ) -> Robot:
     """The robot that a position model is. Raises StageError."""
     entity = thing.entity
-    rest: dict[str, Any] = {"localization": _localization(entity, notes)}
-    fiducial = int(values.number(entity, "fiducial_return", 0))
-    if fiducial > 0:
-        rest["fiducial"] = fiducial
+    rest: dict[str, Any] = {**_localization(entity, units, notes), **fiducial_of(thing)}
     for child in thing.children:
         if child.entity.type not in SENSORS:
-            _note_part(child, thing, notes)
+            _note_part(child, notes)
     stem = next(iter(entity.macros), "robot")
     sensors = tuple(sensors_of(thing, units, scanners, notes))
-    body = body_of(thing, folder, notes)
+    body = robot_body(thing, folder, notes)
     return Robot(thing, stem, body, _drive(entity, units, notes), rest, sensors, entity.place)
 
 
-def landmark_of(thing: Thing, folder: str, notes: Notes) -> Robot:
-    """A model that carries a fiducial, as a robot that cannot move: only robots carry them here."""
+def robot_body(thing: Thing, folder: str, notes: Notes) -> dict[str, Any]:
+    """A robot's body: its blocks or its bitmap, and the models that stand on it."""
     entity = thing.entity
-    rest = {"fiducial": int(values.number(entity, "fiducial_return", 0))}
-    stem = next(iter(entity.macros), "landmark")
-    return Robot(thing, stem, body_of(thing, folder, notes), None, rest, (), entity.place)
-
-
-def body_of(thing: Thing, folder: str, notes: Notes) -> dict[str, Any]:
-    """A robot's body: a box, or the convex hull of its blocks or bitmap."""
-    entity = thing.entity
-    shape: list[Polygon] = []
-    bitmap = values.get(entity, "bitmap")
-    if bitmap is not None and bitmap.values != ("",):
-        plan = read_plan(str(bitmap.values[0]), folder, thing.pose, thing.size[:2], bitmap.place)
-        shape = [outline(plan)]
-        if plan.walls.mean() < 1.0:
-            notes.differs(bitmap.place, "a robot's body is the convex hull of its bitmap here")
-    drawn = footprint(thing, notes, shape)
-    if not drawn.pieces:
-        raise StageError(entity.place, f"{entity.word} {thing.name}: a robot needs a body")
-    body: dict[str, Any]
-    if drawn.box is not None:
-        body = {"shape": "box", "size": list(drawn.box)}
-    else:
-        corners = drawn.hull
-        body = {"shape": "polygon", "points": [list(corner) for corner in corners]}
-        # 1 %: blocks that overlap or leave slits between them do not matter to anybody
-        if not shape and area(corners) > 1.01 * sum(map(area, drawn.pieces)):
-            notes.differs(
-                entity.place, f"{entity.word}: its body is the convex hull of its blocks here"
-            )
-    if thing.size[2] > 0.0:
-        body["height"] = thing.size[2]
+    returns = Returns.of(entity, notes)
+    shapes = carried(thing, folder, notes)
+    if not shapes:
+        notes.differs(entity.place, "a robot without blocks is a point that nobody meets or sees")
+        return {"shape": "circle", "radius": 0.01, "solid": False, "seen_by": []}
+    body = body_of(shapes) | height_of(rise_of(shapes, entity.place, notes))
     body["color"] = values.color(entity, notes)
     mass = values.numbers(entity, "mass")
     if mass is not None and mass[0] > 0.0:
         body["mass"] = mass[0]
-    return body
+    return body | returns.data
 
 
-def _drive(entity: Entity, units: Units, notes: Notes) -> dict[str, Any]:
+def _drive(entity: Entity, units: Units, notes: Notes) -> dict[str, Any] | None:
     name = values.text(entity, "drive", "diff")
     if name not in DRIVES:
         raise StageError(
@@ -122,11 +99,19 @@ def _drive(entity: Entity, units: Units, notes: Notes) -> dict[str, Any]:
         aside = max(-bounds[2], bounds[3]) * units.length
         if name == "omni" and not math.isclose(aside, max(speeds)):
             notes.differs(place, "velocity_bounds: max_speed holds in every direction here")
-    if max(speeds) <= 0.0 or max(turns) <= 0.0:
-        raise StageError(
-            entity.properties["velocity_bounds"].place, "a robot that cannot move needs no drive"
+    if max(*speeds, *turns) <= 0.0:
+        notes.differs(
+            entity.properties["velocity_bounds"].place, "a robot that cannot move has no drive here"
         )
+        return None
     drive["max_speed"], drive["max_turn_rate"] = max(speeds), max(turns)
+    for key, least in (("max_speed", LEAST_SPEED), ("max_turn_rate", LEAST_TURN)):
+        if drive[key] < least:
+            notes.differs(
+                entity.properties["velocity_bounds"].place,
+                f"velocity_bounds of zero: {key} is {least:g} here, as near to it as may be",
+            )
+            drive[key] = least
     if "acceleration_bounds" in entity.properties:
         entity.used.add("acceleration_bounds")
         notes.differs(
@@ -146,56 +131,41 @@ def _drive(entity: Entity, units: Units, notes: Notes) -> dict[str, Any]:
     return drive
 
 
-def _localization(entity: Entity, notes: Notes) -> str:
+def _localization(entity: Entity, units: Units, notes: Notes) -> dict[str, Any]:
+    """What position2d reports, and from where odometry counts."""
     mode = values.text(entity, "localization", "gps")
     at = entity.properties.get("localization")
     place = at.place if at is not None else entity.place
-    error = values.numbers(entity, "odom_error")
-    origin = values.numbers(entity, "localization_origin")
     if mode not in ("gps", "odom"):
         raise StageError(place, f'localization is "gps" or "odom", not {mode}')
     if mode == "gps":
+        return {"localization": "gps"}
+    found: dict[str, Any] = {"localization": "odometry"}
+    if "localization_origin" in entity.properties:
+        found["odometry_origin"] = posed(values.pose(entity, "localization_origin", units, notes))
+    told = values.numbers(entity, "odom_error") or list(ODOM_ERROR)
+    ahead, aside, _, turn = (abs(part) for part in [*told, *ODOM_ERROR[len(told) :]][:4])
+    if "odom_error" in entity.properties:
         notes.differs(
-            place,
-            "localization gps: positions count from the lower left corner of the world, not from "
-            "Stage's origin (the world file says how far the two are apart)",
-        )
-        return "gps"
-    if origin is not None and any(origin):
-        notes.lost(
-            entity.properties["localization_origin"].place,
-            "localization_origin: odometry begins at (0, 0, 0), where the robot starts",
-        )
-    if error is not None:
-        notes.lost(
             entity.properties["odom_error"].place,
-            "odom_error: a factor drawn once per run; here odometry is exact, or drifts with "
-            "`odometry_noise: {slip: ..., turn: ...}`",
+            "odom_error: proportions of which each run draws its own, up to half of them to either "
+            "side, as Stage's manual says (Stage takes them as they are, theta as an angle)",
         )
-    else:
-        notes.lost(
-            place,
-            "odom_error, by default 0.03 0.03 0 0.05 in Stage: here odometry is exact, or drifts "
-            "with `odometry_noise: {slip: ..., turn: ...}`",
-        )
-    return "odometry"
+    if max(ahead, aside, turn) > 0.0:
+        found["odometry_noise"] = {"bias": [ahead, aside, turn]}
+    return found
 
 
-def _note_part(part: Thing, robot: Thing, notes: Notes) -> None:
-    """A child of a robot that is no sensor."""
+def _note_part(part: Thing, notes: Notes) -> None:
+    """A child of a robot that is no sensor; models are parts of its body."""
     entity = part.entity
+    if entity.type == "model":
+        return
     for below in part.all():
         below.entity.used |= set(below.entity.properties)
-    what = (
-        f"{entity.type} {part.name}"
-        if entity.word == entity.type
-        else f"{entity.word} ({entity.type})"
-    )
-    if entity.type == "model":
-        notes.lost(
-            entity.place, f"{what}: a part of {robot.entity.word}, whose body is its own only"
-        )
-    elif entity.type == "position":
-        notes.lost(entity.place, f"{what}: a robot upon a robot")
+    if entity.type == "position":
+        notes.lost(entity.place, "a robot upon a robot")
+    elif entity.type in LIGHTS:
+        notes.looks(entity.place, f"{entity.type}: a light that nobody sees")
     else:
-        notes.lost(entity.place, f"{what}: there is no such device here")
+        notes.lost(entity.place, f"{entity.type}: there is no such device here")

@@ -24,6 +24,11 @@ TYPES = frozenset(
 PARTS = frozenset({"block", "sensor", "window"})
 """Entities that are no models of their own."""
 
+NO_BODY = frozenset(
+    {"ranger", "laser", "sonar", "blobfinder", "fiducial", "fiducialfinder", "bumper"}
+)
+"""Types of models without a body: nobody sees them or bumps into them."""
+
 SENSOR_SIZE = (0.15, 0.15, 0.2)
 MODEL_SIZE = (0.4, 0.4, 1.0)
 """Metres; Stage's defaults for rangers, and for anything else."""
@@ -50,6 +55,12 @@ class Thing:
     def of_type(self, *types: str) -> list[Thing]:
         """The things below this one of some type, in Stage's order."""
         return [thing for thing in self.all() if thing is not self and thing.entity.type in types]
+
+
+def is_movable(thing: Thing) -> bool:
+    """Whether a model can be pushed about, with all that stands on it."""
+    entity = thing.entity
+    return entity.type == "model" and values.number(entity, "gripper_return", 0) != 0
 
 
 def things_in(world: Entity, units: Units, notes: Notes) -> list[Thing]:

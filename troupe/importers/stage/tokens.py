@@ -51,7 +51,7 @@ class Token(NamedTuple):
 _PATTERN = re.compile(
     r"""(?P<blank>[ \t\f\v]+|\#[^\r\n]*)
     |(?P<line>\r\n|\n|\r)
-    |(?P<word>[A-Za-z_][A-Za-z0-9_.-]*(?:\[[0-9]+\])?)
+    |(?P<word>[A-Za-z_][A-Za-z0-9_.-]*(?:\[[0-9]+\](?:\.[A-Za-z_]\w*(?:\[[0-9]+\])?)?)?)
     |(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?(?![\w.]))
     |"(?P<string>[^"\r\n]*)"
     |(?P<bracket>[()\[\]])""",

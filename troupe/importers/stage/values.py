@@ -136,8 +136,8 @@ def size(
         return default
     x, y, *rest = (value * units.length for value in found)
     z = rest[0] if rest else default[2]
-    if min(x, y) <= 0.0 or z < 0.0:
-        raise StageError(entity.properties["size"].place, "a size must be above 0")
+    if min(x, y, z) < 0.0:
+        raise StageError(entity.properties["size"].place, "a size must not be below 0")
     return x, y, z
 
 
@@ -148,16 +148,13 @@ def color(entity: Entity, notes: Notes) -> str:
     if rgba is not None:
         parts = [round(255 * min(1.0, max(0.0, part))) for part in rgba[:3]]
         return format_color(parts[0] << 16 | parts[1] << 8 | parts[2])
+    if name == "random":
+        return name
     try:
         parse_color(name)
     except ValueError:
         place = entity.properties["color"].place
-        if name == "random":
-            notes.differs(place, f"a random colour is {DEFAULT_COLOR} here: choose one")
-        else:
-            notes.differs(
-                place, f"there is no colour {name}: {DEFAULT_COLOR} is taken, as in Stage"
-            )
+        notes.differs(place, f"there is no colour {name}: {DEFAULT_COLOR} is taken, as in Stage")
         return DEFAULT_COLOR
     return name.lower().replace(" ", "")
 

@@ -3,12 +3,13 @@
 export class Camera {
   x = 0; y = 0; scale = 1; width = 1; height = 1; whole = true;
 
-  /** Show a world of so many metres, all of it. */
-  reset([width, height], margin = 0.4) {
-    this.world = [width, height];
+  /** Show the whole world. */
+  reset(scene, margin = 0.4) {
+    const [width, height] = scene.size, [left, bottom] = scene.low;
+    this.world = scene;
     this.whole = true;
-    this.x = width / 2;
-    this.y = height / 2;
+    this.x = left + width / 2;
+    this.y = bottom + height / 2;
     this.scale = Math.min(this.width / (width + 2 * margin), this.height / (height + 2 * margin));
   }
 

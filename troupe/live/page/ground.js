@@ -70,28 +70,29 @@ export class Ground {
       state.painted = [];
       this.image.putImageData(this.pixels, 0, 0);
     }
-    // Row 0 lies at y = 0, and the context's y axis points up: the image stands as it should.
+    // Row 0 lies lowest, and the context's y axis points up: the image stands as it should.
     context.imageSmoothingEnabled = false;
-    context.drawImage(this.paint, 0, 0, columns * resolution, rows * resolution);
+    context.drawImage(this.paint, ...state.scene.low, columns * resolution, rows * resolution);
   }
 }
 
 /** Floor, grid and doors. */
 function floorOn(floor, scene, camera, ink, ratio, grid) {
-  const [width, height] = scene.size, pixel = 1 / camera.scale;
+  const [width, height] = scene.size, [x0, y0] = scene.low, x1 = x0 + width, y1 = y0 + height;
+  const pixel = 1 / camera.scale;
   floor.setTransform(1, 0, 0, 1, 0, 0);
   floor.fillStyle = css(ink.outside);
   floor.fillRect(0, 0, camera.width * ratio, camera.height * ratio);
   camera.apply(floor, ratio);
   floor.fillStyle = css(ink.ground);
-  floor.fillRect(0, 0, width, height);
+  floor.fillRect(x0, y0, width, height);
   if (grid) {
     const step = STEPS.find((metres) => metres * camera.scale >= APART) ?? 1000;
     floor.strokeStyle = css(ink.grid);
     floor.lineWidth = pixel;
     floor.beginPath();
-    for (let x = step; x < width - step / 100; x += step) line(floor, x, 0, x, height);
-    for (let y = step; y < height - step / 100; y += step) line(floor, 0, y, width, y);
+    for (const x of multiples(step, x0, x1)) line(floor, x, y0, x, y1);
+    for (const y of multiples(step, y0, y1)) line(floor, x0, y, x1, y);
     floor.stroke();
   }
   for (const door of scene.doors) {
@@ -131,6 +132,15 @@ function wallsOn(walls, scene, camera, ratio) {
 /** 0xRRGGBB as a pixel of image data, opaque. */
 const little = (color) =>
   (0xff000000 | ((color & 255) << 16) | (color & 0xff00) | (color >> 16)) >>> 0;
+
+/** The multiples of `step` between two numbers, themselves excluded. */
+function multiples(step, low, high) {
+  const found = [];
+  for (let k = Math.floor(low / step + 0.01) + 1; k * step < high - step / 100; k++) {
+    found.push(k * step);
+  }
+  return found;
+}
 
 function line(context, x0, y0, x1, y1) {
   context.moveTo(x0, y0);

@@ -202,7 +202,7 @@ export class Hands {
       "<": () => this.back(), ">": () => this.step(),
       "[": () => this.shift(-1), "]": () => this.shift(1),
       "{": () => this.pace(1), "}": () => this.pace(null),
-      " ": () => page.camera.reset(page.state.scene.size),
+      " ": () => page.camera.reset(page.state.scene),
       "+": () => page.camera.zoom(1.25), "=": () => page.camera.zoom(1.25),
       "-": () => page.camera.zoom(0.8),
       ",": () => this.next(1), ";": () => this.next(-1),

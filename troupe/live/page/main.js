@@ -79,7 +79,7 @@ page.link = new Link({
     document.body.classList.toggle("log", Boolean(scene.log));
     if (scene.log) goTo(location.hash);
     size();
-    page.camera.reset(scene.size);
+    page.camera.reset(scene);
     if (page.view.selected.size) hands.select(page.view.selected);
     page.changed();
   },

@@ -125,20 +125,16 @@ def test_other_drivers_and_interfaces_are_listed(files) -> None:
         driver("a", "position2d:0", "gripper:0") + 'driver ( name "amcl" provides ["localize:0"] )'
     )
     lost = [str(note) for note in convert(*files(cfg)).notes if note.kind == "lost"]
-    assert any("w.cfg:1: 6665:gripper:0 of a" in line for line in lost)
+    assert any("w.cfg:1: gripper: the interface is not served" in line for line in lost)
     assert any("w.cfg:2: driver amcl" in line for line in lost)
 
 
 @pytest.mark.parametrize(
     ("cfg", "words"),
     [
-        (driver("d", "position2d:0"), "w.cfg:1:51: the world has no robot d"),
         (driver("a", "position2d"), "no address such as 6665:position2d:0"),
         (driver("a", "position2d:zero"), "no address such as"),
-        (driver("a", "positron:0"), "Player has no interface positron"),
-        ('driver ( name "stage" provides ["position2d:0"] )', "which model"),
         ('driver ( name "stage" )', "needs provides"),
-        (to_laser("ranger:3", "laser:0"), "nobody provides it"),
     ],
 )  # fmt: skip
 def test_what_player_could_not_use_either_is_a_mistake(files, cfg: str, words: str) -> None:
@@ -197,3 +193,19 @@ def devices_of_a_run(world: Path, ports: int) -> list[set[str]]:
     finally:
         run.terminate()
         run.communicate(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize(
+    ("cfg", "words"),
+    [
+        (driver("d", "position2d:0"), "position2d of d, which is no robot"),
+        (driver("a", "positron:0"), "Player has no interface positron"),
+        ('driver ( name "stage" provides ["position2d:0"] )', "which model"),
+        (to_laser("ranger:3", "laser:0"), "nobody provides it"),
+    ],
+)
+def test_what_cannot_be_served_is_listed_and_the_rest_goes_on(files, cfg: str, words: str) -> None:
+    got = convert(*files(f"{cfg}\n{driver('b', 'position2d:0')}"))
+    assert any(words in note.what and note.kind == "lost" for note in got.notes)
+    served = [one for one in yaml.safe_load(got.text)["robots"] if one["controller"] == "client"]
+    assert [one["name"] for one in served] == ["b"]
