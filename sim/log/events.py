@@ -198,10 +198,11 @@ class News:
     def drawings(self, robots: Sequence[Robot], tick: int) -> list[Event]:
         events = []
         for robot in robots:
-            shapes, before = robot.drawings, self._drawn.get(robot.index, [])
-            if len(before) == len(shapes) and all(map(is_same, before, shapes)):
+            # a program that draws gets another list: this one is never changed
+            shapes, before = robot.drawings, self._drawn.get(robot.index)
+            if shapes is before or not (shapes or before):
                 continue
-            self._drawn[robot.index] = list(shapes)
+            self._drawn[robot.index] = shapes
             values = {
                 "tick": tick,
                 "robot": robot.index,
@@ -218,10 +219,6 @@ class News:
             }
             events.append(Event(self.time, "/troupe/drawings", "troupe_msgs/Drawings", values))
         return events
-
-
-def is_same(one: object, other: object) -> bool:
-    return one is other
 
 
 def stamped(time: float) -> dict[str, Any]:
