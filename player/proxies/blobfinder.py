@@ -68,7 +68,7 @@ class BlobfinderProxy(Proxy):
             return None
         blobs = [_new(Blob, row) for row in _BLOB.iter_unpack(self._payload[_HEAD.size :])]
         if blobs:
-            image = Image(self, self.width)
+            image = _new(Image, (self, self.width))
             for blob in blobs:
                 blob.image = image
         return blobs
