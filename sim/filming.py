@@ -21,7 +21,7 @@ from sim.video.snapshot import MOST_SCANS, Backdrop, Drawing, Scan, Shape, Sight
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
     from sim.engine import Engine
-    from sim.stage.layout import Look
+    from sim.stage.standing import Look
     from sim.video.recorder import Recorder
     from sim.video.still import Still
 
