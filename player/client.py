@@ -6,7 +6,7 @@ import contextlib
 import os
 import socket
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -23,12 +23,13 @@ from player.codes import (
     PlayerRequest,
     Replace,
 )
-from player.environment import Place, find_place
+from player.environment import Place, find_place, find_timeout
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
-from player.familiar import STEP, Familiar
-from player.header import HEADER_SIZE, Message, pack_message
+from player.familiar import Familiar
+from player.header import Message, pack_message
 from player.link import Deadline, Link
 from player.printable import printable
+from player.usual import read_round
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -55,27 +56,6 @@ def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
     return payload
 
 
-DataAt = tuple[int, int, tuple[int, int], int]
-"""Data in a round that is cut into parts: where its payload is among them, its subtype and its
-device, and where it ends among the round's bytes."""
-
-
-def _data_of_round(messages: list[Message]) -> list[DataAt] | None:
-    """The data in a round; None for what is no round: acknowledgement, data, and its end."""
-    first, last = messages[0], messages[-1]
-    if first[2:6] != (_PLAYER.interf, 0, _ACK, PlayerRequest.DATA) or last.type != _SYNCH:
-        return None
-    found: list[DataAt] = []
-    end = HEADER_SIZE + len(first.payload)
-    for number, message in enumerate(messages[1:-1], start=1):
-        if message.type != _DATA:
-            return None
-        end += HEADER_SIZE + len(message.payload)
-        at = STEP * number + STEP - 1
-        found.append((at, message.subtype, (message.interf, message.index), end))
-    return found
-
-
 class PlayerClient:
     """One connection to a Player server. Proxies of devices are made on it.
 
@@ -83,7 +63,8 @@ class PlayerClient:
     number of an inherited socket), or PLAYER_HOST and PLAYER_PORT; else 127.0.0.1:6665.
 
     `timeout`: wall-clock seconds to wait for an answer, whatever else comes; None for ever. Left
-    out it is 5 over TCP, and None over an inherited socket, whose other end is alive or closed.
+    out it is PLAYER_TIMEOUT (0: for ever) or else 5 over TCP, and None over an inherited socket,
+    whose other end is alive or closed.
     `read_timeout`: the same for data in `read`; None, the default, waits for ever.
     `mode`: "pull" (one `read` asks for and gets one round of data) or "push".
     `replace`: in pull mode, newer data takes the place of older data that has not been asked for.
@@ -117,7 +98,8 @@ class PlayerClient:
         """Replies that nobody was waiting for, dropped."""
         self.timeout: float | None
         if timeout == "default":
-            self.timeout = None if place.sock is not None else DEFAULT_TIMEOUT
+            is_local = place.sock is not None
+            self.timeout = None if is_local else find_timeout(environ, DEFAULT_TIMEOUT)
         else:
             self.timeout = timeout
         self.read_timeout = read_timeout
@@ -129,8 +111,10 @@ class PlayerClient:
         self._backlog = Backlog()
         self._asked = False
         self._acknowledged = False
-        self._familiar = Familiar(_data_of_round)
+        self._in_step = False  # the last round is over, and nothing that came since is left
+        self._familiar = Familiar(read_round)
         self._closed = False
+        self._outside = place.sock is None
         self._mode = DataMode.PUSH  # a server's first state
         self._link = Link(place, self.timeout)
         self.banner = self._link.banner
@@ -236,10 +220,22 @@ class PlayerClient:
         self.request(_PLAYER, PlayerRequest.ADD_REPLACE_RULE, rule)
 
     def close(self) -> None:
-        """Sends queued commands and closes the connection; further calls do nothing."""
+        """Sends queued commands, unsubscribes all devices as Player's library does, and closes.
+
+        Further calls do nothing. By unsubscribing a server over TCP can tell a client that is done
+        from one that has broken off.
+        """
+        self._close(done=True)
+
+    def _close(self, done: bool) -> None:
         if self._closed:
             return
         if not self.ending:
+            if done and self._outside:
+                for addr in self._routes:
+                    message = {"addr": (0, 0, *addr), "access": Access.CLOSE, "driver": ""}
+                    payload = _encode(_PLAYER.interf, _REQ, PlayerRequest.DEV, message)
+                    self._out.append(pack_message(*_PLAYER, _REQ, PlayerRequest.DEV, payload))
             with contextlib.suppress(PlayerDisconnected, OSError):
                 self.flush()
         self._closed = True
@@ -248,8 +244,8 @@ class PlayerClient:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._close(done=kind is None)
 
     # -- for proxies ------------------------------------------------------------------------
 
@@ -318,6 +314,7 @@ class PlayerClient:
         if self._closed or self.ending:
             raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
         payload = _encode(addr.interf, _REQ, subtype, message or {})
+        self._in_step = False
         self._out.append(pack_message(*addr, _REQ, subtype, payload))
         self._send_queued()
 
@@ -346,7 +343,48 @@ class PlayerClient:
     # -- messages ---------------------------------------------------------------------------
 
     def _read_round(self) -> bool:
-        kept, ended = self._backlog.take() if self._backlog else ([], False)
+        if not (self._in_step and self.timeout is None and self.read_timeout is None):
+            return self._read_slowly()
+        self._in_step = False
+        out = self._out
+        out.append(_REQUEST_DATA)
+        said = b"".join(out)
+        out.clear()
+        self._out_size = 0
+        self._asked = True
+        return self._take(self._link.exchange(said)) or self._read_slowly()
+
+    def _take(self, data: bytes) -> bool:
+        """Hands a round to the proxies, if all of it is here and looks like one before.
+
+        Otherwise, False, its messages are read one by one.
+        """
+        found = self._familiar.match(data)
+        if found is None:
+            self._link.feed(data)
+            self._familiar.learn(data)
+            return False
+        round, parts = found
+        self.time = parts[1]  # in case it holds no data
+        routes = self._routes
+        taken = 0
+        try:
+            for at, subtype, addr, taken in round:  # noqa: B007 - needed where a proxy raises
+                self.time = time = parts[at - 2]
+                for proxy in routes.get(addr, ()):
+                    proxy.take(subtype, parts[at], time)
+        except BaseException:
+            self._acknowledged = True
+            self._link.feed(data[taken:])  # the rest is for the next reading
+            raise
+        self._asked = False
+        self._in_step = True
+        return True
+
+    def _read_slowly(self) -> bool:
+        """Reads a round message by message, from where an earlier reading has come to."""
+        link = self._link
+        kept, ended = self._backlog.take()
         over = self._asked and ended  # the round that an earlier read() gave up waiting for
         if not self._asked:
             self._out.append(_REQUEST_DATA)
@@ -358,16 +396,9 @@ class PlayerClient:
             self._dispatch(message)
         if over:
             return True
-        link = self._link
         deadline = Deadline(self.read_timeout if self._acknowledged else self.timeout, _data)
-        if not (self._acknowledged or link.buffered):
-            data = link.receive(deadline)
-            found = self._familiar.match(data)
-            if found is not None:
-                self._deliver(data, *found)
-                return True
-            link.feed(data)
-            self._familiar.learn(data)
+        if not (self._acknowledged or link.buffered) and self._take(link.receive(deadline)):
+            return True
         while True:
             message = link.next(deadline)
             type_ = message.type
@@ -375,6 +406,7 @@ class PlayerClient:
                 self._dispatch(message)
             elif type_ == _SYNCH:
                 self._asked = self._acknowledged = False
+                self._in_step = not (self._backlog or link.buffered)
                 return True
             elif self._is_data_ack(message) and not self._acknowledged:
                 self._acknowledged = True
@@ -385,23 +417,6 @@ class PlayerClient:
                 raise PlayerRefused(f"{self.address} refused to send data")
             else:
                 self.stray += 1
-
-    def _deliver(self, data: bytes, round: list[DataAt], parts: tuple[Any, ...]) -> None:
-        """Hands a whole round, from its acknowledgement to its end, to the proxies."""
-        self.time = parts[1]
-        routes = self._routes
-        taken = 0
-        try:
-            for at, subtype, addr, end in round:
-                taken = end
-                self.time = time = parts[at - 2]
-                for proxy in routes.get(addr, ()):
-                    proxy.take(subtype, parts[at], time)
-        except BaseException:
-            self._acknowledged = True
-            self._link.feed(data[taken:])  # the rest is for the next reading
-            raise
-        self._asked = False
 
     def _read_pushed(self) -> bool:
         kept, _ = self._backlog.take()

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Iterator, Mapping
+from functools import cache
 
 from player.codes import DeviceAddr
 from player.header import FRONT
 from player.messages import encode
 
-MOST_FRONTS = 4096
-"""Beginnings of headers that are kept: what clients ask may be of as many kinds as they like."""
+
+@cache
+def wire_address(host: str) -> int:
+    """An IPv4 address as headers have it; 0 for any other host, as they have no room for it."""
+    try:
+        packed = ipaddress.IPv4Address(host).packed
+    except ValueError:
+        return 0
+    return int.from_bytes(packed, "little")
 
 
 class Directory:
@@ -65,23 +73,17 @@ class Directory:
         """Sets what clients are told in headers and lists: an IPv4 address and a port."""
         self.host = host
         self.port = port
-        try:
-            packed = ipaddress.IPv4Address(host).packed
-        except ValueError:
-            packed = bytes(4)  # no IPv4 address: the protocol has no room for any other
-        self.wire_host = int.from_bytes(packed, "little")
+        self.wire_host = wire_address(host)
         """The address as it stands in headers: 127.0.0.1 is 0x0100007f."""
         self._list = None
         self._fronts.clear()
 
     def front(self, interf: int, index: int, type: int, subtype: int) -> bytes:
-        """The header of a message from here, up to its timestamp."""
+        """The header of data, or of an answer, from here, up to its timestamp; it is kept."""
         kind = (interf, index, type, subtype)
         front = self._fronts.get(kind)
         if front is None:
-            front = FRONT.pack(self.wire_host, self.port, *kind)
-            if len(self._fronts) < MOST_FRONTS:
-                self._fronts[kind] = front
+            front = self._fronts[kind] = FRONT.pack(self.wire_host, self.port, *kind)
         return front
 
     def listing(self) -> bytes:

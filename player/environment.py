@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import socket
 import stat
@@ -43,6 +44,25 @@ def find_place(host: str | None, port: int | None, environ: Mapping[str, str]) -
         index=index,
         seed=seed,
     )
+
+
+def find_timeout(environ: Mapping[str, str], default: float) -> float | None:
+    """Seconds that a server over TCP has for an answer, PLAYER_TIMEOUT; 0 there: for ever (None).
+
+    Raises PlayerDisconnected, which names the variable, where it is no such number.
+    """
+    text = environ.get("PLAYER_TIMEOUT", "")
+    if not text:
+        return default
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0 <= seconds < math.inf:
+        raise PlayerDisconnected(
+            f"PLAYER_TIMEOUT={text!r} in the environment is no number of seconds (0: for ever)"
+        )
+    return seconds or None
 
 
 def _number(environ: Mapping[str, str], name: str, default: int, top: int | None) -> int:

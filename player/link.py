@@ -38,6 +38,9 @@ class Deadline:
         self.what = what
 
 
+FOR_EVER = Deadline(None, lambda: "anything")
+
+
 class Link:
     """A socket to a Player server, whose banner has been read.
 
@@ -107,6 +110,23 @@ class Link:
     def receive(self, deadline: Deadline) -> bytes:
         """What comes next, in a piece as it comes; raises as `next` does."""
         return self._receive(deadline, RECEIVE_SIZE)
+
+    def exchange(self, data: bytes) -> bytes:
+        """Sends, and gives what comes next, without limits of time; raises as these two do."""
+        if self._waits is not None:
+            self._set_timeout(None)
+        try:
+            self._socket.sendall(data)
+            got = self._socket.recv(RECEIVE_SIZE)
+        except (BrokenPipeError, ConnectionResetError):
+            got = self._receive(FOR_EVER, RECEIVE_SIZE)  # its last words
+        except OSError as error:
+            self._break(error)
+        if not got:
+            self.end()
+        if self._tcp:
+            quick_acknowledge(self._socket)
+        return got
 
     def feed(self, data: bytes) -> None:
         """Has `next` begin with what has been received otherwise."""

@@ -37,6 +37,7 @@ class Outbox:
         self._latest: dict[Kind, int] = {}
         self._rules: list[tuple[int, ...]] = []
         self._rule_of: dict[Kind, int] = {}
+        self._default = int(Replace.ACCEPT)
         self._closed = False
         self._unhurried = False  # all that is to be written can wait
         self.ignores = False
@@ -63,10 +64,15 @@ class Outbox:
         self.ignores = any(rule[4] == Replace.IGNORE for rule in self._rules)
         return True
 
+    def keep_newest(self) -> None:
+        """Newer data takes the place of older data of its kind, where no rule says otherwise."""
+        self._default = int(Replace.REPLACE)
+        self._rule_of.clear()
+
     def _find_rule(self, kind: Kind) -> int:
         """What to do with data of that kind: the first rule that matches says."""
         interf, index, subtype = kind
-        found = int(Replace.ACCEPT)
+        found = self._default
         for rule in self._rules:
             wanted = zip(rule[:4], (interf, index, _DATA, subtype), strict=True)
             if all(part in (ANY, value) for part, value in wanted):
@@ -79,7 +85,7 @@ class Outbox:
         """Puts data into the queue, as the replace rules say, if there is room."""
         queue = self._queue
         self._number += 1
-        if self._rules:
+        if self._rules or self._default != Replace.ACCEPT:
             rule = self._rule_of.get(kind)
             if rule is None:
                 rule = self._find_rule(kind)

@@ -88,10 +88,14 @@ class Connection:
 
     def flush(self) -> None:
         """Writes what the session has to say, as far as the socket takes it at once."""
+        server = self._server
         if self.is_open:
-            self._server._continue(self)
-            self._server._ready.pop(self, None)
-            self._server._held.pop(self, None)
+            if self._paused:
+                server._continue(self)
+            else:
+                server._write(self)
+            server._ready.pop(self, None)
+            server._held.pop(self, None)
 
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
@@ -355,7 +359,8 @@ class Server:
             unsent = None
         if connection._deaf:
             session.outgoing()
-        self._select(connection, selectors.EVENT_READ)
+        if connection._mask != selectors.EVENT_READ:
+            self._select(connection, selectors.EVENT_READ)
 
     def _lose(self, connection: Connection, reason: str) -> None:
         self._drop(connection)

@@ -14,7 +14,7 @@ the protocol. Rules of the queue after Player's TCP server:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from player import messages
 from player.codes import (
@@ -40,10 +40,11 @@ from player.events import (
     Subscribed,
     Unsubscribed,
 )
-from player.familiar import STEP, Familiar
+from player.familiar import Familiar
 from player.header import HEADER, TIME, Message, MessageReader
 from player.outbox import Outbox
-from player.xdr import Record, Scalar, Values
+from player.usual import Commands, read_commands
+from player.xdr import Values
 
 __all__ = [
     "BACKLOG_LIMIT",
@@ -78,38 +79,6 @@ _new = tuple.__new__  # a quarter of the time that the named tuple's own constru
 Datum = tuple[DeviceAddr, int, bytes]
 """Data of a device: its address there, the subtype, the payload."""
 
-_Commanded = tuple[DeviceAddr, messages.MessageSpec, int]
-"""A command in a piece: to which device, its row of the table, and where among the piece's parts
-its payload is."""
-
-
-class _Usual(NamedTuple):
-    """What a piece of the usual kind holds: commands, then a request for data or none."""
-
-    commands: tuple[_Commanded, ...]
-    asks: bool
-    seq: int  # of that request
-
-
-def _usual(found: list[Message]) -> _Usual | None:
-    """What a piece of bytes means that may come again each tick; None if it is anything else."""
-    last = found[-1]
-    asks = last[2:6] == (_PLAYER, 0, _REQ, PlayerRequest.DATA)
-    commands = []
-    for number, message in enumerate(found[:-1] if asks else found):
-        spec = messages.find(message.interf, _CMD, message.subtype)
-        if message.type != _CMD or message.interf == _PLAYER or spec is None:
-            return None
-        if not all(isinstance(kind, Scalar | Record) for _, kind in spec.fields):
-            return None  # how it lies depends on more than its length
-        try:
-            spec.decode(message.payload)
-        except XdrError:
-            return None
-        addr = DeviceAddr(message.interf, message.index)
-        commands.append((addr, spec, STEP * number + STEP - 1))
-    return _Usual(tuple(commands), asks, last.seq)
-
 
 class Session:
     """The state of one client's connection.
@@ -143,7 +112,7 @@ class Session:
         self._held_ack = False
         self._pending: dict[int, Request] = {}
         self._requests = 0
-        self._familiar = Familiar(_usual)
+        self._familiar = Familiar(read_commands)
         self._longest = min(LONGEST_FAMILIAR, max_request)
 
     # -- bytes in ---------------------------------------------------------------------------
@@ -176,11 +145,10 @@ class Session:
             events.append(Malformed(str(error)))
         return events
 
-    def _do_as_usual(self, usual: _Usual, parts: tuple[Any, ...], events: list[Event]) -> None:
-        for addr, spec, at in usual.commands:
+    def _do_as_usual(self, usual: Commands, parts: tuple[Any, ...], events: list[Event]) -> None:
+        for addr, subtype, name, read, at in usual.commands:
             if addr in self.directory:
-                values = spec.decode(parts[at])
-                events.append(_new(Command, (addr, spec.subtype, values, spec.name)))
+                events.append(_new(Command, (addr, subtype, read(parts[at]), name)))
             else:
                 events.append(Ignored(f"there is no device {addr}"))
         if usual.asks:
@@ -437,23 +405,23 @@ class Session:
             self.end_of_round()
             return
         # the client waits, and nothing else does: what it gets is all of this
-        parts = [self._data_ack()] if self._held_ack else []
-        front, stamp, subscribed = self.directory.front, TIME.pack(time), self.subscribed
-        acknowledgements = len(parts)
+        directory, subscribed, stamp = self.directory, self.subscribed, TIME.pack(time)
+        parts: list[bytes] = []
         for addr, subtype, payload in data:
             if addr in subscribed:
-                interf, index = addr
-                parts += (
-                    front(interf, index, _DATA, subtype),
-                    stamp,
-                    len(payload).to_bytes(8),
-                    payload,
-                )
-        if len(parts) == acknowledgements:
+                front = directory.front(*addr, _DATA, subtype)
+                parts += (front, stamp, len(payload).to_bytes(8), payload)
+        if not parts:
             return
         parts.append(_SYNCH_OK)
+        if self._held_ack:
+            parts.insert(0, self._data_ack())
         outbox.say(b"".join(parts))
         self._held_ack = self.waiting = False
+
+    def keep_newest(self) -> None:
+        """Data that waits is no more than the newest of each kind, unless the client has rules."""
+        self._outbox.keep_newest()
 
     def end_of_round(self) -> None:
         """All data of a tick has been published: it goes out if the client has asked for it."""

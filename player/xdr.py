@@ -9,7 +9,7 @@ string's count includes its terminating NUL.
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -216,6 +216,12 @@ class _Fixed:
             names = ", ".join(name for name, _ in self.fields)
             raise XdrError(f"{names}: {error}") from None
 
+    def values(self, payload: bytes) -> Values:
+        """The values of a payload that is of this size, and these numbers alone."""
+        found: Values = {}
+        self.unpack(payload, 0, found)
+        return found
+
     def unpack(self, payload: bytes, offset: int, values: Values) -> int:
         end = offset + self.struct.size
         if end > len(payload):
@@ -341,6 +347,10 @@ class Layout:
         if fixed:
             self._parts.append(_Fixed(fixed))
         self._names = frozenset(name for name, _ in fields)
+        self.plain: Callable[[bytes], Values] | None = None
+        """Of a message that is numbers and no array: values of a payload of the right size."""
+        if len(self._parts) == 1 and isinstance(self._parts[0], _Fixed):
+            self.plain = self._parts[0].values
 
     def pack(self, values: Mapping[str, Any]) -> bytes:
         """The payload of `values`, which must have exactly the layout's fields.

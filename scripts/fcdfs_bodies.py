@@ -1,85 +1,56 @@
 """Run FCDFS with bodies in the worlds that come with Troupe, beside the grid model.
 
-    scripts/fcdfs_bodies [--quick] [--out FILE]
+    scripts/fcdfs_bodies [--quick] [--jobs N] [--folder DIR] [--out FOLDER]
 
-Writes docs/results/fcdfs_bodies.md. `--quick` leaves out the grid of 30 x 30 cells (minutes).
+A sweep into build/fcdfs, from which docs/results/fcdfs/bodies.csv and the page
+docs/results/fcdfs_bodies.md are made. `--quick` leaves out the grid of 30 x 30 cells (minutes).
 """
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
-import troupe  # noqa: E402
-from gridworld.grid import Outcome, simulate  # noqa: E402
-from gridworld.regions import Region, load  # noqa: E402
-from sim.build import load as load_world  # noqa: E402
-from sim.result import Result  # noqa: E402
+from pages import RESULTS, keep, write  # noqa: E402
+from sweeps import runs, sweep  # noqa: E402
+
+from troupe.testing.fcdfs import measures  # noqa: E402
 
 WORLDS = (
     "corridor", "corridor_differential", "rooms", "rooms_differential", "maze", "spiral",
     "async", "grid_30x30",
 )  # fmt: skip
-
-HEAD = """\
-# FCDFS with bodies
-
-Written by `scripts/fcdfs_bodies`. In these worlds the rule that the grid model compiles drives
-robots of 1 x 1 m in cells of 1.5 m: pymunk moves them, two lasers of 180 rays show them the cells
-around, and each robot has a process of its own that ends when it settles. `agree` counts the
-robots that entered, moved, settled and stand exactly as in the grid model: the step of entry, the
-number of moves, the step in which they settled, and the cell. Contacts are counted by the physics.
-
-| world | robots | agree | steps | total travel | contacts | simulated | wall time |
-| --- | --- | --- | --- | --- | --- | --- | --- |
-"""
+HEADS = ["world", "robots", "agree", "steps", "total travel", "contacts", "simulated", "wall time"]
 
 
 def main() -> None:
-    """Run the worlds and write the page."""
+    """Run the worlds and write the table and the page."""
     options = argparse.ArgumentParser(prog="scripts/fcdfs_bodies", description=__doc__)
     options.add_argument("--quick", action="store_true")
-    options.add_argument("--out", type=Path, default=ROOT / "docs/results/fcdfs_bodies.md")
-    args = options.parse_args()
-    rows = []
-    for name in WORLDS[:-1] if args.quick else WORLDS:
-        path = ROOT / "worlds" / f"fcdfs_{name}.yaml"
-        world = load_world(path).world
-        assert world.map is not None
-        region = load(path.parent / world.map.file)
-        told = world.controllers["fcdfs"].args
-        result = troupe.run(path)
-        grid = simulate(region, told["rule"], seed=result.seed, q=told.get("q", 0.0))
-        rows.append(row(name, region, grid, result))
-        print(rows[-1], flush=True)
-    args.out.write_text(HEAD + "\n".join(rows) + "\n")
-
-
-def row(name: str, region: Region, grid: Outcome, result: Result) -> str:
-    """One line of the table."""
-    cell = 1.5
-    agree = 0
-    for k, record in enumerate(result.robots):
-        x, y, _ = record.pose
-        place = [math.floor(x / cell), region.rows - 1 - math.floor(y / cell)]
-        agree += (
-            result.doors[0].steps[k] == grid.entered[k]
-            and record.properties.get("travel") == grid.moves[k]
-            and record.properties.get("settled_step") == grid.settled[k]
-            and place == grid.cell[k].tolist()
-        )
-    travel = sum(record.properties.get("travel", 0) for record in result.robots)
-    contacts = sum(record.contacts for record in result.robots)
-    last = result.doors[0].steps[-1]
-    return (
-        f"| {name} | {len(result.robots)} of {grid.cells} | {agree} | {last} | {travel} | "
-        f"{contacts} | {result.sim_time:.0f} s | {result.wall_time:.0f} s |"
-    )
+    options.add_argument("--jobs", type=int, default=1, help="runs at a time")
+    options.add_argument("--folder", type=Path, default=ROOT / "build" / "fcdfs")
+    options.add_argument("--out", type=Path, default=RESULTS)
+    given = options.parse_args()
+    names = WORLDS[:-1] if given.quick else WORLDS
+    worlds = [f"fcdfs_{name}" for name in names]
+    sweep(given.folder, *worlds, "--jobs", str(given.jobs))
+    rows = {}
+    for row, result in runs(given.folder):
+        assert result is not None, row
+        found = measures(result)
+        rows[row["world"]] = [
+            row["world"].removeprefix("fcdfs_"),
+            f"{len(result.robots)} of {found['cells']}",
+            *(found[key] for key in ("agree", "steps", "travel", "contacts")),
+            f"{result.sim_time:.0f} s",
+            f"{row['wall_time']:.0f} s",
+        ]
+    keep(given.out / "fcdfs" / "bodies.csv", HEADS, [rows[name] for name in worlds])
+    print(write("fcdfs_bodies", given.out))
 
 
 if __name__ == "__main__":

@@ -1,18 +1,19 @@
-"""Reproduce the results of the FCDFS paper on the grid: write docs/results/fcdfs.md.
+"""Reproduce the results of the FCDFS paper on the grid: docs/results/fcdfs.md and its tables.
 
     scripts/fcdfs_tables [--runs N] [--regions N] [--cells N] [--no-large] [--out FOLDER]
 
-With its defaults it takes some minutes on one core. Needs matplotlib (extra "plots").
+With its defaults it takes some minutes on one core. The grid model is no world and no run, so
+these tables come from no sweep; the page's prose is in scripts/templates. Needs matplotlib (extra
+"plots").
 """
 
 import argparse
 import sys
 import time
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
 import matplotlib  # noqa: E402
 
@@ -20,6 +21,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
+from pages import keep, keep_about, write  # noqa: E402
 
 from gridworld import studies  # noqa: E402
 from gridworld.generators import comb, ring  # noqa: E402
@@ -31,25 +33,19 @@ from troupe.grid_film import picture_of, write_picture  # noqa: E402
 FAILURES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5)
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "".join("| " + " | ".join(map(str, line)) + " |\n" for line in lines)
-
-
 def pair(total: float, most: float) -> str:
     return f"{total:.0f} ({most:.0f})"
 
 
-def picture(folder: Path, name: str, region: Region, rule: str, steps: int, **more: object) -> str:
-    """Draw the end of a step; returns the Markdown that shows it."""
+def picture(folder: Path, name: str, region: Region, rule: str, steps: int, **more: object) -> None:
+    """Draw the end of a step."""
     run = GridRun(region, rule, **more)  # type: ignore[arg-type]
     run.advance(steps)
     pixels = max(4, 420 // max(region.columns + 2, region.rows + 2))
     write_picture(folder / f"{name}.png", picture_of(run, rule, pixels), run)
-    return f"![{name}, {rule}, step {run.steps}](fcdfs/{name}.png)\n"
 
 
-def table_1(folder: Path, runs: int) -> str:
+def table_1(folder: Path, runs: int) -> None:
     without: list[list[object]] = []
     pauses: list[list[object]] = []
     for name, paper in studies.TABLE_1.items():
@@ -74,38 +70,20 @@ def table_1(folder: Path, runs: int) -> str:
             if rule in ("dflf", "bflf", "fcdfs")
         )
     rules = ["DFLF", "BFLF", "FCDFS", "five bits", "symmetric", "left hand"]
-    text = f"""## Table 1
-
-Total travel (maximal travel) without pauses, as the paper counts here; DFLF, BFLF and symmetric
-averaged over {runs} seeds.
-
-{table(["region", *rules], without)}
-With pauses, which T_i of the paper's section 2 counts, and with the makespan and the standard
-deviation of one run's total without pauses:
-
-{table(["region", "rule", "total (maximal) travel", "makespan", "deviation"], pauses)}
-The 30x30 row of FCDFS is the paper's exactly with the door at 13,13, 13,16, 16,13 or 16,16, and
-with no other door of the square. The regions `flat`, `labyrinth` and `apartment` are ours: the
-paper only draws its own. Each was picked from some thousand random divisions into rooms because
-its sum of distances and its largest distance, which are FCDFS's travel, come near to the paper's;
-so that column says nothing, and the comparison lies in the others. BFLF is left open in the paper;
-as it is read here its totals come within a twentieth of the paper's, and its waiting never delays
-the entry: the makespan is 2V - 1, as a later paper has it. Its maximum is a fifth less on the
-square and in `flat`. DFLF depends on how much open space there is; `apartment` seems to have less
-of it than the region of figure 9.
-
-"""
+    keep(folder / "table_1.csv", ["region", *rules], without)
+    heads = ["region", "rule", "total (maximal) travel", "makespan", "deviation"]
+    keep(folder / "pauses.csv", heads, pauses)
     for name, rule, step in (
         ("flat", "fcdfs", 420),
         ("labyrinth", "fcdfs", 900),
         ("apartment", "left_hand", 350),
     ):
-        text += picture(folder, name, studies.table_region(name), rule, step)
+        picture(folder, name, studies.table_region(name), rule, step)
     region = rectangle(30, 30, [(13, 13)])
-    return text + picture(folder, "symmetric", region, "symmetric", 900, seed=1) + "\n"
+    picture(folder, "symmetric", region, "symmetric", 900, seed=1)
 
 
-def doors(folder: Path) -> str:
+def doors(folder: Path) -> None:
     rows = []
     for name in studies.TABLE_1:
         region = studies.table_region(name)
@@ -131,18 +109,10 @@ def doors(folder: Path) -> str:
     figure.colorbar(shown)
     save(figure, folder / "doors.png")
     heads = ["region", "best door", "its total", "door above", "its total", "worst total"]
-    return f"""## The best door
-
-Total travel is the sum of distances, so the best door is the geometric median (end of section
-3.1). `troupe disperse --door best` finds it in a time that grows as the number of cells.
-
-{table(heads, rows)}
-![total travel by door](fcdfs/doors.png)
-
-"""
+    keep(folder / "doors.csv", heads, rows)
 
 
-def combs() -> str:
+def combs(folder: Path) -> None:
     rows = []
     for k in (None, 2, 6, 11, 16, 20):
         region = comb(k)
@@ -154,18 +124,14 @@ def combs() -> str:
             total = pair(outcome.moves.sum(), outcome.moves.max())
             row.append(total if outcome.all_settled else f"{outcome.outcome}, step {outcome.steps}")
         rows.append(row)
-    return f"""## G(k), section 3.3
-
-The comb whose columns 1 and k meet the top row, for robots that see two cells far (r = 2): 20
-columns. No local rule reaches the sum of distances for all k. FCDFS needs a simply connected
-region and collides; DFLF and BFLF (seed 1) cover it and travel farther, up to several times.
-Without a column k the comb is simply connected, and all three are optimal.
-
-{table(["k", "V", "sum of distances", "FCDFS", "DFLF", "BFLF without pauses"], rows)}
-"""
+    keep(
+        folder / "combs.csv",
+        ["k", "V", "sum of distances", "FCDFS", "DFLF", "BFLF without pauses"],
+        rows,
+    )
 
 
-def rings(folder: Path) -> str:
+def rings(folder: Path) -> None:
     rows = []
     for columns, thickness, door in ((8, 1, (0, 4)), (12, 1, (5, 0)), (12, 2, (0, 5))):
         region = ring(columns, columns, thickness).with_doors([door])
@@ -175,21 +141,12 @@ def rings(folder: Path) -> str:
             came, settled = f"{len(out.entered)} of {out.cells}", int((out.settled > 0).sum())
             rows.append([name, conflict, end, came, settled, out.steps])
     region = ring(12, 12, 1).with_doors([(5, 0)])
-    shown = picture(folder, "ring", region, "fcdfs", 200, conflict="stay")
+    picture(folder, "ring", region, "fcdfs", 200, conflict="stay")
     heads = ["ring", "conflict", "end", "entered", "settled", "steps"]
-    return f"""## Figure 7: a ring
-
-In the model as it is written, the first robot has come around when a new one enters: loops have
-even length, so they enter the door's cell in one step and collide. The paper's picture, the door
-sealed and the robots circling for ever, appears where the loser of a conflict stays
-(`--conflict stay`; the robot that entered first wins, one that would enter waits outside).
-
-{table(heads, rows)}
-{shown}
-"""
+    keep(folder / "rings.csv", heads, rows)
 
 
-def missed_steps(folder: Path, regions: list[Region]) -> str:
+def missed_steps(folder: Path, regions: list[Region]) -> None:
     rows: list[list[object]] = []
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2))
     for rule, conflict in (("fcdfs", "stop"), ("fcdfs", "stay"), ("light", "stop")):
@@ -215,22 +172,10 @@ def missed_steps(folder: Path, regions: list[Region]) -> str:
     save(figure, folder / "missed_steps.png")
     heads = ["q", "rule", "conflict", "covered", "cells settled", "collided"]
     heads += ["moves = distances", "makespan / (2V - 1)"]
-    return f"""## Missed steps, section 5
-
-Every activation fails with probability q, on {len(regions)} random simply connected regions of all
-kinds. A delayed robot is taken for a wall by plain FCDFS. With one visible bit, a light that is on
-when a robot has settled, and waiting while the wanted cell holds an active robot (`light`, which a
-later paper of the authors calls asynchronous FCDFS, AsynchFCDFS), every region is covered, nobody
-collides, and every robot moves as often as its distance from the door. Makespans are means over the
-runs that covered their region.
-
-{table(heads, rows)}
-![missed steps](fcdfs/missed_steps.png)
-
-"""
+    keep(folder / "missed_steps.csv", heads, rows)
 
 
-def later_paper(runs: int) -> str:
+def later_paper(folder: Path, runs: int) -> None:
     rows: list[list[object]] = []
     for name, lines in studies.TABLE_2.items():
         region = studies.table_region(name)
@@ -259,33 +204,15 @@ def later_paper(runs: int) -> str:
         ]
         for q in (0.1, 0.25, 0.5, 0.75)
     ]
-    return f"""## Time, travel, and energy
-
-A later paper of the authors, "Time, Travel, and Energy in the Uniform Dispersion Problem" (2024),
-adds energy, the steps in which a robot is active with the one in which it settles, and asynchronous
-FCDFS, our `light`, where every robot wakes with probability p = 1 - q in a step. It counts a
-makespan up to the last robot's settling, one step more than above. Its environments are again not
-ours: `labyrinth` and `flat` have their distances, but more cells. So what compares is energy over
-moves and makespan over cells; means over {runs} seeds here, over 10 there.
-
-{table(heads, rows)}
-BFLF waits less here than there, with the same makespan and nearly the same travel: how long a
-robot stays active before it settles is left open. That paper's largest energies of one robot are,
-for AsynchFCDFS, less than the means that its totals give, and are left out.
-
-The makespan of AsynchFCDFS is bounded by (1 / alpha + o(1)) V, alpha = (1 - sqrt(1 - p)) / 2, the
-most robots that can come in per step. No run here exceeds V / alpha; in a corridor with the door at
-its end it comes near to it, by its length in cells:
-
-{table(["p", "100", "1000", "4000"], corridors)}
-"""
+    keep(folder / "later_paper.csv", heads, rows)
+    keep(folder / "corridors.csv", ["p", "100", "1000", "4000"], corridors)
 
 
 def corridor(length: int) -> Region:
     return rectangle(length, 1, [(0, 0)])
 
 
-def several_doors(regions: list[Region]) -> str:
+def several_doors(folder: Path, regions: list[Region]) -> None:
     rows = []
     for count in (1, 2, 3, 4):
         for conflict in ("stop", "stay"):
@@ -294,31 +221,19 @@ def several_doors(regions: list[Region]) -> str:
                 [count, conflict, f"{s.covered:.1%}", f"{s.collided:.1%}", f"{s.slower:.2f}"]
             )
     heads = ["doors", "conflict", "covered", "collided", "makespan / (2V / doors)"]
-    return f"""## Several doors, section 5
-
-Plain FCDFS through random doors of the same regions. The paper leaves this open; what FCDFS was
-made for is one door.
-
-{table(heads, rows)}
-"""
+    keep(folder / "several_doors.csv", heads, rows)
 
 
-def small_regions(cells: int) -> str:
+def small_regions(folder: Path, cells: int) -> None:
     rows = []
     for size in range(1, cells + 1):
         tried, failed, spared = studies.exhaust(size, "fcdfs5")
         rows.append([size, tried, failed, spared])
     heads = ["cells", "region and door", "not optimal", "with a hole, no collision"]
-    return f"""## All small regions
-
-Algorithm 2 from every door of every polyomino: optimal in each without a hole, a collision in each
-with one.
-
-{table(heads, rows)}
-"""
+    keep(folder / "small_regions.csv", heads, rows)
 
 
-def cost(large: bool) -> str:
+def cost(folder: Path, large: bool) -> None:
     rows = []
     for side in (100, 316, *((1000,) if large else ())):
         run = GridRun(rectangle(side, side, [(side // 2, side // 2)]), "fcdfs")
@@ -329,13 +244,7 @@ def cost(large: bool) -> str:
         rows.append(
             [f"{side}x{side}", f"{travel:,}", f"{seconds:.2f}", f"{seconds / travel * 1e9:.0f}"]
         )
-    return f"""## Cost
-
-FCDFS on squares with the door in the middle, one core, compiled code loaded, in processor time of
-the machine on which this page was written.
-
-{table(["region", "robot steps", "seconds", "ns per robot step"], rows)}
-"""
+    keep(folder / "cost.csv", ["region", "robot steps", "seconds", "ns per robot step"], rows)
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -355,29 +264,17 @@ def main() -> None:
     folder = given.out / "fcdfs"
     folder.mkdir(parents=True, exist_ok=True)
     regions = studies.sample(given.regions)
-    text = (
-        """# FCDFS on the grid
-
-Written by `scripts/fcdfs_tables`. The paper: Amir and Bruckstein, "Minimizing Travel in the
-Uniform Dispersal Problem for Robotic Sensors", AAMAS 2019. Robot k enters at the end of step
-2k - 1; the makespan is the first step at whose end all V cells are occupied; entering and settling
-are no travel. In the pictures active robots are arrows in their primary direction (dots before
-their first move), settled ones diamonds, and the door has a frame. How DFLF and BFLF are read is
-written with the rules, in `controllers/dispersal/rules`.
-
-"""
-        + table_1(folder, given.runs)
-        + doors(folder)
-        + combs()
-        + rings(folder)
-        + missed_steps(folder, regions)
-        + later_paper(given.runs)
-        + several_doors(regions)
-        + small_regions(given.cells)
-        + cost(not given.no_large)
-    )
-    (given.out / "fcdfs.md").write_text(text.rstrip() + "\n", encoding="utf-8")
-    print(given.out / "fcdfs.md")
+    table_1(folder, given.runs)
+    doors(folder)
+    combs(folder)
+    rings(folder)
+    missed_steps(folder, regions)
+    later_paper(folder, given.runs)
+    several_doors(folder, regions)
+    small_regions(folder, given.cells)
+    cost(folder, not given.no_large)
+    keep_about(folder, {"runs": given.runs, "regions": len(regions)})
+    print(write("fcdfs", given.out))
 
 
 if __name__ == "__main__":

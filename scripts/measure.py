@@ -9,6 +9,7 @@ import json
 import os
 import platform
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -51,6 +52,7 @@ robots:
 controllers:
   reader: {{program: ./reader.py}}
   outsider: {{command: [{python}, {reader}]}}
+  raw: {{command: {raw}}}
 """
 MARK = "<!-- measured -->"
 NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
@@ -121,6 +123,28 @@ def rounds(folder: Path, controller: str, repeats: int) -> str:
     """Rounds in lockstep per second: a laser and blobs are read, a command is given."""
     path = world(folder, controller, 300, size=(16, 21), count=1)
     return f"{median_speed(repeats, str(path)) / 0.1:.0f} per second"
+
+
+def raw_client(folder: Path) -> list[str]:
+    """The command of a client that knows nothing of our packages: in C where there is a compiler.
+
+    Built once in a folder.
+    """
+    program = folder / "raw_client"
+    compiler = shutil.which("cc")
+    if compiler is None:
+        return [sys.executable, str(ROOT / "scripts" / "raw_client.py")]
+    if not program.exists():
+        source = ROOT / "scripts" / "raw_client.c"
+        subprocess.run([compiler, "-O2", "-o", str(program), str(source)], check=True)
+    return [str(program)]
+
+
+def raw_rounds(folder: Path, repeats: int) -> tuple[str, str]:
+    """In which language four clients over TCP are written, and the rounds of each per second."""
+    path = world(folder, "raw", 300, size=(16, 21), count=4)
+    language = "C" if len(raw_client(folder)) == 1 else "Python"
+    return language, f"{median_speed(repeats, str(path)) / 0.1:.0f} per second each"
 
 
 def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
@@ -200,6 +224,7 @@ def world(
             count=count,
             python=json.dumps(sys.executable),
             reader=json.dumps(str(folder / "reader.py")),
+            raw=json.dumps([*raw_client(folder), "{host}", "{port}"]),
         )
     )
     return path
@@ -339,12 +364,15 @@ def main() -> None:
             ray = found if count == 1000 else ray
             what = f"{count} robots in process, no controllers, one core"
             rows.append((what, f"{target} x real time", speed))
+        language, raw = raw_rounds(folder, repeats)
         rows += [
             ("100,000 robots in process", "20 s, 2 GB", loading(folder, 100_000)),
             ("one ray, 1000 robots, one core", "5 ns", ray),
             ("rounds of one robot over a socket pair (laser and blobs read, a command given)",
              "", rounds(folder, "reader", repeats)),
             ("the same over TCP", "3000 per second", rounds(folder, "outsider", repeats)),
+            (f"four clients in {language} over TCP, each with its robot of 16 x 21 m",
+             "3000 rounds per second each", raw),
             ("`troupe run` to its first tick, caches warm", "0.4 s", first_tick(repeats)),
             ("what a page that watches the four robots costs",
              "under 3 %", watched(folder, repeats)),

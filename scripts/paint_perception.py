@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from paint_scene import REGION, look
 
 from controllers.paint.sight.scan import Scan, see_robots
 from controllers.paint.sight.squares import Square
+from troupe.testing.paint.scene import REGION, look
 
 OUTSIDE = 0.1  # m: so far beyond its bounds a robot counts as out of them
 

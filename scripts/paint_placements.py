@@ -1,14 +1,15 @@
 """Run Paint over many random placements, each run judged from true poses: a row each in a table.
 
     scripts/paint_placements [--worlds NAME ...] [--seeds FIRST LAST] [--jitter S ...]
-                             [--jobs N] [--limit S] [--out FILE.csv]
+                             [--jobs N] [--limit S] [--folder DIR] [--out FILE.csv]
 
 Runs as far as the goals, without painting. A run ends when all robots are at their goals, or after
-`--limit` simulated seconds (1800). Rows that the table holds already are not run again, so that it
-can be interrupted; the rows of a table are in order of world, jitter and seed, and a run gives the
-same row on every machine. With its defaults, the three cases with 200 seeds each and two kinds of
-cycles, it takes more than an hour on two cores; a placement of 16 robots takes a minute or two.
-`scripts/paint_cases` sums the table up in docs/results/paint.md.
+`--limit` simulated seconds (1800). It is a sweep into build/paint/placements of what the table
+lacks, and can be interrupted; the rows of a table are in order of world, jitter and seed, and a run
+gives the same row on every machine. With its defaults, the three cases with 200 seeds each and two
+kinds of cycles, it takes more than an hour on two cores; a placement of 16 robots takes a minute or
+two.
+`scripts/pages paint` sums the table up in docs/results/paint.md.
 """
 
 from __future__ import annotations
@@ -16,23 +17,21 @@ from __future__ import annotations
 import argparse
 import csv
 import math
-import os
-import signal
 import sys
-from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT)]
+sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
-from tests.papers.paint_judge import judged_run  # noqa: E402
+from pages import RESULTS, keep  # noqa: E402
+from sweeps import JUDGE, runs, sweep  # noqa: E402
 
-TABLE = ROOT / "docs" / "results" / "paint" / "placements.csv"
+TABLE = RESULTS / "paint" / "placements.csv"
 WORLDS = ("case_1", "case_2", "case_3", "line", "tall", "swarm_8", "swarm_12", "swarm_16")
 LIMIT = 1800.0  # s
+JITTER = "controllers.paint.args.jitter"
+PAINT = "controllers.paint.args.paint"
 
 
 class Row(NamedTuple):
@@ -49,22 +48,7 @@ class Row(NamedTuple):
     outcome: str
 
 
-def run(world: str, jitter: float, seed: int, limit: float = LIMIT) -> Row:
-    """One placement, as far as the goals."""
-    settings = ["controllers.paint.args.paint=false", f"controllers.paint.args.jitter={jitter:g}"]
-    judged = judged_run(ROOT / "worlds" / f"paint_{world}.yaml", seed, settings, limit)
-    result, judge = judged.result, judged.judge
-    return Row(
-        world,
-        jitter,
-        seed,
-        len(result.robots),
-        sum(judged.right),
-        len(judge.contacts),
-        len(judge.swaps),
-        round(result.sim_time, 3),
-        result.outcome,
-    )
+Key = tuple[str, float, int]
 
 
 def read(path: Path) -> list[Row]:
@@ -84,16 +68,35 @@ def read(path: Path) -> list[Row]:
         ]
 
 
-def write(path: Path, rows: Iterable[Row]) -> None:
-    """Write a table anew, in order; who interrupts this loses nothing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_suffix(".tmp")
-    with fresh.open("w", newline="", encoding="utf-8") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(Row._fields)
-        for row in sorted(rows):
-            out.writerow([f"{v:g}" if name == "jitter" else v for name, v in row._asdict().items()])
-    os.replace(fresh, path)
+def swept(folder: Path) -> list[Row]:
+    """The rows of what a sweep has run; of runs that have a result."""
+    return [
+        Row(
+            str(row["world"]).removeprefix("paint_"),
+            float(row[JITTER]),
+            int(row["seed"]),
+            len(result.robots),
+            int(row["judged.right"]),
+            int(row["judged.contacts"]),
+            int(row["judged.passings"]),
+            round(result.sim_time, 3),
+            result.outcome,
+        )
+        for row, result in runs(folder)
+        if result is not None and "judged.right" in row
+    ]
+
+
+def write(path: Path, rows: list[Row]) -> None:
+    """Write a table anew, in order."""
+    lines = [{**row._asdict(), "jitter": f"{row.jitter:g}"}.values() for row in sorted(rows)]
+    keep(path, Row._fields, map(list, lines))
+
+
+def write_asked(path: Path, keys: list[Key]) -> None:
+    """The table of what a sweep is to run."""
+    lines = [[f"paint_{world}", seed, jitter, "false"] for world, jitter, seed in keys]
+    keep(path, ["world", "seed", JITTER, PAINT], lines)
 
 
 def main() -> None:
@@ -106,6 +109,7 @@ def main() -> None:
     options.add_argument("--jitter", type=float, nargs="+", default=[0.0, 1.0], help="s")
     options.add_argument("--jobs", type=int, default=2, help="runs at a time")
     options.add_argument("--limit", type=float, default=LIMIT, help="simulated s")
+    options.add_argument("--folder", type=Path, default=ROOT / "build" / "paint" / "placements")
     options.add_argument("--out", type=Path, default=TABLE)
     given = options.parse_args()
     first, last = given.seeds
@@ -129,22 +133,17 @@ def main() -> None:
     ]
     todo = [key for key in wanted if key not in done]
     print(f"{len(todo)} runs, {len(wanted) - len(todo)} are in {given.out}", flush=True)
-    pool = ProcessPoolExecutor(given.jobs, get_context("spawn"))
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if not todo:
+        return
+    asked = given.folder.with_suffix(".csv")
+    write_asked(asked, todo)
+    how = ["--table", asked, "--duration", given.limit, "--jobs", given.jobs, "--judge", JUDGE]
     try:
-        runs = [pool.submit(run, *key, given.limit) for key in todo]
-        for count, future in enumerate(as_completed(runs), 1):
-            rows.append(future.result())
-            write(given.out, rows)
-            print(f"{count} of {len(todo)}:", *rows[-1], flush=True)
-    except KeyboardInterrupt:
-        for worker in active_children():
-            worker.terminate()
-        pool.shutdown(cancel_futures=True)
-        print(f"interrupted; the rows so far are in {given.out}", file=sys.stderr)
-        sys.exit(130)
-    finally:
-        pool.shutdown(cancel_futures=True)
+        sweep(given.folder, f"paint_{given.worlds[0]}", *map(str, how))
+    finally:  # also of one that was interrupted
+        fresh = {row[:3]: row for row in swept(given.folder)}
+        write(given.out, [*rows, *(fresh[key] for key in todo if key in fresh)])
+        print(f"the rows so far are in {given.out}")
 
 
 if __name__ == "__main__":

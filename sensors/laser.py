@@ -8,7 +8,7 @@ from pydantic import model_validator
 from .noise import add_range_noise
 from .readings import Fan, Scans, too_near
 from .registry import sensor
-from .settings import Count, Number, SensorSettings, check_min_range, setting
+from .settings import Count, Housing, Number, SensorSettings, check_min_range, housing, setting
 from .view import View
 
 
@@ -28,6 +28,7 @@ class LaserSettings(SensorSettings):
     noise: Number = setting(
         0.0, ge=0, unit="m", description="standard deviation of the noise on ranges that hit"
     )
+    housing: Housing = housing()
 
     @model_validator(mode="after")
     def _sees_something(self) -> Self:

@@ -21,6 +21,9 @@ from .compiled import compiled
 from .grid import Flags, Floats
 from .noise import Keys, gaussian_at, stream_key
 
+ROUNDING = 1e-12
+"""Radians by which sums of angles may be off."""
+
 
 class Odometry:
     """The reported poses of all robots; a robot's index is the order in which it was added."""
@@ -35,7 +38,7 @@ class Odometry:
         self._errors = np.zeros((0, 5))  # slip, turn; factors of ways ahead and aside, of turns
         self._keys: Keys = np.zeros(0, np.uint64)
         self.poses: Floats = self._reported
-        """(n, 3) the last reported x, y in metres and yaw in [-pi, pi)."""
+        """(n, 3) the last reported x, y in metres and yaw in (-pi, pi]."""
 
     def __len__(self) -> int:
         return self._count
@@ -157,8 +160,9 @@ def _seen_from(frame: Floats, pose: Floats) -> tuple[float, float, float]:
 
 @compiled
 def _wrap(angle: float) -> float:
-    """The same angle in [-pi, pi)."""
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+    """The same angle in (-pi, pi]; half a turn is +pi, whatever it was rounded to."""
+    turned = angle - 2.0 * math.pi * math.ceil((angle - math.pi) / (2.0 * math.pi))
+    return turned if turned > ROUNDING - math.pi else math.pi
 
 
 @compiled

@@ -13,7 +13,16 @@ from .laser import fan_of
 from .noise import add_element_noise, add_range_noise
 from .readings import Elements, Fan, Scans, too_near
 from .registry import sensor
-from .settings import Count, Number, Pose, SensorSettings, check_min_range, setting
+from .settings import (
+    Count,
+    Housing,
+    Number,
+    Pose,
+    SensorSettings,
+    check_min_range,
+    housing,
+    setting,
+)
 from .view import View, place_elements
 
 Far = Annotated[Number, Field(gt=0)]
@@ -55,6 +64,7 @@ class RangerSettings(SensorSettings):
     noise: Number = setting(
         0.0, ge=0, unit="m", description="standard deviation of the noise on ranges that hit"
     )
+    housing: Housing = housing()
 
     @model_validator(mode="after")
     def _measures_something(self) -> Self:

@@ -23,6 +23,8 @@ Count = Annotated[int, Field(strict=True)]
 """A whole number: no 3.0, no text, no true or false."""
 Pose = tuple[Number, Number, Number]
 """x, y in metres and heading in degrees, as in world files."""
+Housing = tuple[Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)], ...]
+"""Length and width, m."""
 Color = Annotated[
     int, BeforeValidator(_color), WithJsonSchema({"type": "string", "format": "color"})
 ]
@@ -33,6 +35,17 @@ def check_min_range(min_range: float, max_range: float) -> None:
     """Raises ValueError where a sensor could measure nothing."""
     if min_range >= max_range:
         raise ValueError(f"min_range must be below range ({min_range:g} and {max_range:g} given)")
+
+
+def housing() -> Any:
+    """The size of a range finder's housing: something that clients may ask for."""
+    return setting(
+        (0.02, 0.02),
+        min_length=2,
+        max_length=2,
+        unit="m, m",
+        description="its length and width: what clients are told; nothing else depends on it",
+    )
 
 
 def setting(default: Any = ..., *, unit: str, description: str, **limits: Any) -> Any:

@@ -188,9 +188,7 @@ class Suite:
         sense_rows(groups, views)
 
     def place(self, robot: int, sensor_index: int) -> tuple[Group, int]:
-        """Where a sensor's readings stand: its group, and its row in it."""
-        if self._new:
-            self._admit()
+        """Where a sensor's readings stand from the next `sense` on: its group and its row."""
         first = self.first_slot[robot]
         last = self.first_slot[robot + 1] if robot + 1 < len(self.first_slot) else self.slots
         if not 0 <= sensor_index < last - first:
@@ -199,6 +197,8 @@ class Suite:
 
     def reading(self, robot: int, sensor_index: int) -> Reading:
         """The last reading of a sensor: views into the batch, which the next `sense` overwrites."""
+        if self._new:
+            self._admit()
         group, row = self.place(robot, sensor_index)
         return Reading(float(group.times[row]), group.readings.row(row))
 

@@ -9,7 +9,8 @@ somebody watches.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping
+import gc
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,7 @@ from player.server import Server
 from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
+from sim.devices.things import named_things
 from sim.entry import Entry
 from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
@@ -28,6 +30,7 @@ from sim.fleet.drivers import Drivers
 from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError, Functions
 from sim.fleet.routing import Router
+from sim.fleet.sleeping import Sleeping
 from sim.pace import Pace
 from sim.ports import Ports
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result, Touch
@@ -52,6 +55,7 @@ class Settings:
     seed: int
     duration: float
     realtime: float | None = None  # simulated seconds per wall-clock second; None: flat out
+    free: bool = False  # nobody waits for clients from outside, whatever the world file says
     listen: tuple[str, int] | None = None
     patience: float = 60.0  # wall-clock seconds; infinite: for ever
     fail_fast: bool = False  # the first controller that fails ends the run
@@ -92,18 +96,18 @@ class Engine:
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
         self.spraying = Spraying(self.scenery.floor)
-        self.context = Context(self.scenery, self.interval)
+        self.context = Context(self.scenery, self.interval, things=named_things(world))
         self.switchboard = Switchboard(self.context, self.say)
         self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
         patience = Patience(self.settings.patience)
         self.robots = self.context.robots
         self.drivers = Drivers(
             self.robots,
-            Clocks(any_clock=world.player.clock == "any"),
+            Clocks("free" if self.settings.free else world.player.clock),
             self.stop_robot,
             fail_fast=self.settings.fail_fast,
         )
-        self.router = Router(self.switchboard, self.drivers, self.say)
+        self.router = Router(self.switchboard, self.drivers, self.say, self.sensing.show_again)
         self.crew = Crew(
             self.context,
             self.server,
@@ -122,7 +126,7 @@ class Engine:
             self.context,
             self.switchboard,
             self.server,
-            patience=patience.entry,
+            patience=None if self.free else patience.entry,
             say=self.say,
             warn=self.warn or self.say,
         )
@@ -141,13 +145,20 @@ class Engine:
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
         self.digest = Digest()
         self.realtime = self.settings.realtime  # who watches may change it meanwhile
-        self.pace = Pace(self.realtime)
+        self.pace = Pace(self.factor)
+        if self.realtime is not None and not self.free:
+            self.drivers.clocks.sleeping = Sleeping(self.say)
         self.stalled = b""  # a byte per robot
 
     @property
     def time(self) -> float:
         """Simulated seconds; a multiple of the interval, not a sum of steps."""
         return self.ticks * self.interval
+
+    @property
+    def free(self) -> bool:
+        """Whether the world runs on by itself, and waits for no client from outside."""
+        return self.drivers.clocks.mode == "free"
 
     @property
     def speed(self) -> float | None:
@@ -197,10 +208,12 @@ class Engine:
 
     def enter_first(self) -> None:
         """The robots that are there from the start enter; all perceive for the first time."""
-        for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
-            self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
+        with kept_objects():
+            for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
+                self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
         self.sensing.sense(self.ticks, self.time)
+        self.entry.serve_held()
 
     def announce(self) -> None:
         """Say what a world is going to do in which nobody drives."""
@@ -238,6 +251,8 @@ class Engine:
         """
         if goals := self.context.take_puts():
             self.put(goals)
+        for name, pose in self.context.take_thing_puts().items():
+            self.put_thing(name, pose)
         while failed := self.context.carry_out():
             for client, error in failed:
                 self.router.expel(client, error)
@@ -271,10 +286,14 @@ class Engine:
         """Put robots at poses in the world, all at once; those who have no room there, and stay."""
         staying = self.scenery.put(poses)
         for robot in staying:
-            x, y, _ = poses[robot]
-            name = self.robots[robot].name
-            self.say(f"{name} stays where it is: there is no room for it at [{x:g}, {y:g}]")
+            self.say(stays(self.robots[robot].name, poses[robot]))
         return staying
+
+    def put_thing(self, name: str, pose: tuple[float, float, float]) -> None:
+        """Put an obstacle that can be pushed at a pose in the world, if there is room."""
+        number = self.context.things[name].number
+        if number is None or not self.scenery.stage.put_movable(number, pose):
+            self.say(stays(name, pose))
 
     def open_doors(self) -> None:
         """Let in the robots whose step has come."""
@@ -299,12 +318,16 @@ class Engine:
     def keep_pace(self) -> None:
         """With --realtime, wait until the wall clock has caught up; requests are answered."""
         while True:
-            # clients that are pushed their data live in real time, if nothing else sets the pace
-            self.pace.follow(self.realtime or (1.0 if self.crew.pushed_only else None), self.time)
+            self.pace.follow(self.factor, self.time)
             wait = self.pace.ahead(self.time)
             if wait <= 0 or self.crew.interrupted or self.drivers.failed:
                 break
             self.crew.wait(min(wait, LONGEST_NAP))
+
+    @property
+    def factor(self) -> float | None:
+        """The pace that is held now: those for whom nobody waits live in real time, unless told."""
+        return self.realtime or (1.0 if self.free or self.crew.pushed_only else None)
 
     def behind(self, seconds: float) -> dict[str, float]:
         """Who has been waited for for so many wall-clock seconds, and since how many, by name."""
@@ -372,8 +395,28 @@ class Engine:
         )
 
 
+def stays(name: str, pose: tuple[float, float, float]) -> str:
+    """What is told of somebody, or something, that cannot be put at a pose."""
+    return f"{name} stays where it is: there is no room for it at [{pose[0]:g}, {pose[1]:g}]"
+
+
 def label(path: Path) -> str:
     """How a result names its world: relative to the current folder where it lies below it."""
     with contextlib.suppress(ValueError):
         return str(path.resolve().relative_to(Path.cwd()))
     return str(path)
+
+
+@contextlib.contextmanager
+def kept_objects() -> Iterator[None]:
+    """While objects are made that all stay, nobody looks for some that have become useless.
+
+    With ten thousand robots that took a fifth of the time.
+    """
+    looks = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if looks:
+            gc.enable()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,11 @@ from sim.stage.geometry import wrapped
 
 @dataclass
 class Entry:
-    """Brings robots into a run, at its start and through doors."""
+    """Brings robots into a run, at its start and through doors.
+
+    Those that clients can reach are `held` at the start until all have entered: who connects is
+    answered at once.
+    """
 
     loaded: LoadedWorld
     seed: int
@@ -36,6 +40,7 @@ class Entry:
     crew: Crew
     controllers: Controllers
     functions: Functions
+    held: list[tuple[Robot, int, str | None]] | None = field(default_factory=list)
 
     def enter(
         self,
@@ -71,16 +76,29 @@ class Entry:
         self.spraying.admit(robot)
         first = self.ports.place(robot, self.sensing.devices(robot))
         self.crew.drivers.enter(robot)
-        number = self.ports.serve(robot, first)
         if function is not None:
             client = DirectClient(
                 name, robot_seed(self.seed, name), robot.port, self.sensing.read, self.context
             )
             self.functions.add(index, client, function)
+        if self.held is not None and self.ports.serves(robot):
+            self.held.append((robot, first, controller))
+        else:
+            self.serve(robot, first, controller)
+        return robot
+
+    def serve_held(self) -> None:
+        """All robots of the start are there: let clients come, and later robots' at once."""
+        held, self.held = self.held or [], None
+        for robot, first, controller in held:
+            self.serve(robot, first, controller)
+
+    def serve(self, robot: Robot, first: int, controller: str | None) -> None:
+        """Open a robot's port, if it is to have one, and start its controller."""
+        number = self.ports.serve(robot, first)
         if robot.driver.launched:
             assert controller is not None
             self.launch(robot, controller, number, first)
-        return robot
 
     def driven_by(self, controller: str | None) -> tuple[Kind, Controller | None]:
         """How robots of a controller are driven in this run, and the function if one drives."""

@@ -1,34 +1,24 @@
-"""The video and the picture of a run: what the engine knows, put into snapshots when one is due."""
+"""The video and the picture of a run: what there is to show, drawn whenever a frame is due."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sensors.readings import Blobs, Scans
-from sim.silhouette import silhouette
-from sim.stage.boundary import touchable
-from sim.stage.geometry import placed
+from sim.showing import backdrop_of, drawings_of, movables_of, shape_of
 from sim.video.layers import Layer, layers_of
-from sim.video.palette import GROUND, mix
-from sim.video.snapshot import MOST_SCANS, Backdrop, Drawing, Scan, Shape, Sighting, Snapshot
+from sim.video.snapshot import Shape
+from sim.view.present import ENDED, Present
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
     from sim.engine import Engine
-    from sim.stage.standing import Look
     from sim.video.recorder import Recorder
     from sim.video.still import Still
-
-PALE = 0.6
-"""The share of the ground's colour in that of things which robots can drive over or under."""
-ENDED = frozenset({"finished", "failed", "hung", "lost"})
-"""States of a controller that drives nobody any more."""
 
 
 def open_recorder(
@@ -77,46 +67,32 @@ def shown(loaded: LoadedWorld, show: Iterable[str] | None) -> frozenset[Layer]:
     return layers_of(loaded.world.video.show if show is None else show)
 
 
-def backdrop_of(loaded: LoadedWorld) -> Backdrop:
-    """What never moves.
-
-    Of the boundary that which can be met: where a map has walls of its own along the edge, the
-    boundary behind them is not shown.
-    """
-    layout, world = loaded.layout, loaded.world
-    solids = [(one.vertices, one.look.color) for one in layout.solids if stops_robots(one.look)]
-    marks = [
-        (one.vertices, mix(one.look.color, GROUND, PALE))
-        for one in layout.solids
-        if not stops_robots(one.look)
-    ]
-    wall = world.boundary
-    if wall is not None and layout.raster is not None and wall.shape == "size":
-        count = len(layout.arena)
-        pieces = touchable(layout.raster, layout.size, wall.thickness)
-        solids = [(piece, wall.color) for piece in pieces] + solids[count:]
-    return Backdrop(
-        size=layout.size,
-        low=layout.low,
-        solids=solids,
-        marks=marks,
-        doors=[door.rectangle for door in layout.doors],
-        title=world.name or loaded.path.stem,
+def present_of(engine: Engine, movables: list[tuple[Shape, int]]) -> Present:
+    """What there is to show of a run, now."""
+    scenery, robots = engine.scenery, engine.robots
+    paints = scenery.floor.painted_area > 0.0
+    return Present(
+        time=engine.time,
+        tick=engine.ticks,
+        names=[robot.name for robot in robots],
+        models=[robot.model for robot in robots],
+        poses=scenery.stage.poses,
+        colors=np.array([robot.color for robot in robots], np.int64),
+        settled=np.array([robot.record.state in ENDED for robot in robots], bool),
+        stalls=scenery.stage.stalls,
+        said=[robot.record.said[-1] if robot.record.said else None for robot in robots],
+        drawings=drawings_of([robot.drawings for robot in robots], scenery.stage.poses),
+        groups=scenery.suite.groups,
+        movables=movables,
+        movable_poses=scenery.stage.movable_poses,
+        floor=scenery.floor.owner if paints else None,
+        resolution=scenery.floor.resolution,
+        coverage=scenery.floor.coverage if paints else None,
     )
 
 
-def stops_robots(look: Look) -> bool:
-    """Whether a thing takes up floor: what does not is shown pale, and under the robots."""
-    return look.solid and look.z == 0.0
-
-
-def shape_of(body: Any) -> Shape:
-    """A body's outline in its own frame, or its radius."""
-    return body.radius if body.shape == "circle" else silhouette(body)
-
-
 class Film:
-    """Hands a snapshot to the video whenever a frame is due, and to the picture once."""
+    """Hands what there is to show to the video whenever a frame is due, and to the picture once."""
 
     def __init__(self, recorder: Recorder | None = None, still: Still | None = None) -> None:
         self.recorder = recorder
@@ -130,111 +106,67 @@ class Film:
         errors = [each.error for each in (self.recorder, self.still) if each and each.error]
         return "\n".join(errors) or None
 
+    @property
+    def done(self) -> bool:
+        """Whether nothing is to be drawn any more, whatever comes."""
+        video = self.recorder is not None and self.recorder.error is None
+        return not video and (self.still is None or self.still.taken)
+
     def each_tick(self, engine: Engine) -> None:
-        """Draw what is due."""
-        video = self.recorder is not None and self.recorder.wants(engine.time)
-        still = self.still is not None and self.still.wants(engine.time)
+        """Draw what is due of a run."""
+        self.shoot(engine.time, partial(self.look, engine), lambda: not engine.crew.interrupted)
+
+    def look(self, engine: Engine) -> Present:
+        """What there is to show of a run."""
+        if self.movables is None:
+            self.movables = movables_of(engine.loaded)
+        return present_of(engine, self.movables)
+
+    def shoot(
+        self,
+        time: float,
+        look: Callable[[], Present],
+        going_on: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Draw what is due at a simulated time; `look` is asked only then.
+
+        `going_on`: see `sim.video.recorder.Recorder.frame`.
+        """
+        video = self.recorder is not None and self.recorder.wants(time)
+        still = self.still is not None and self.still.wants(time)
         if not (video or still):
             return
-        snapshot = self.snapshot(engine)
+        present = look()
+        self.admit(present)
+        snapshot = present.snapshot()
         if video and self.recorder is not None:
-            self.recorder.frame(snapshot, going_on=lambda: not engine.crew.interrupted)
+            self.recorder.frame(snapshot, going_on=going_on)
         if still and self.still is not None:
             self.still.take(snapshot)
 
+    def admit(self, present: Present) -> None:
+        """Make robots known that have entered."""
+        for name, model in zip(
+            present.names[self.robots :], present.models[self.robots :], strict=True
+        ):
+            for each in (self.recorder, self.still):
+                if each is not None:
+                    each.add_robot(name, shape_of(model.body))
+        self.robots = len(present.names)
+
     def finish(self, engine: Engine | None) -> None:
         """The last frame shows how the run ended; then the files are completed."""
-        snapshot = self.snapshot(engine) if engine is not None and engine.ticks else None
+        self.end(self.look(engine) if engine is not None and engine.ticks else None)
+
+    def end(self, present: Present | None) -> None:
+        """Show how it ended, if it has begun, and complete the files."""
+        snapshot = None
+        if present is not None:
+            self.admit(present)
+            snapshot = present.snapshot()
         if self.still is not None and snapshot is not None:
             self.still.take(snapshot, last=True)
         if self.recorder is not None:
             if snapshot is not None:
                 self.recorder.frame(snapshot, last=True)
             self.recorder.close()
-
-    def snapshot(self, engine: Engine) -> Snapshot:
-        """The moment that the engine is at."""
-        scenery = engine.scenery
-        records = [robot.record for robot in engine.robots]
-        for robot in engine.robots[self.robots :]:
-            for each in (self.recorder, self.still):
-                if each is not None:
-                    each.add_robot(robot.name, shape_of(robot.model.body))
-        self.robots = len(engine.robots)
-        if self.movables is None:
-            self.movables = [(shape_of(m.body), m.color) for m in engine.loaded.layout.movables]
-        paints = scenery.floor.painted_area > 0.0
-        settled = np.array([record.state in ENDED for record in records], bool)
-        return Snapshot(
-            time=engine.time,
-            poses=scenery.stage.poses,
-            colors=np.array([robot.color for robot in engine.robots], np.int64),
-            coverage=scenery.floor.coverage if paints else None,
-            said=[record.said[-1][1] if record.said else "" for record in records],
-            said_at=[record.said[-1][0] if record.said else 0.0 for record in records],
-            settled=settled,
-            scans=self.scans(engine, settled),
-            sightings=self.sightings(engine, settled),
-            floor=scenery.floor.owner if paints else None,
-            resolution=scenery.floor.resolution,
-            movables=self.movables,
-            movable_poses=scenery.stage.movable_poses,
-            drawings=self.drawings(engine),
-        )
-
-    def scans(self, engine: Engine, settled: NDArray[np.bool_]) -> list[Scan]:
-        """The fans of the lasers that somebody reads."""
-        fans: list[Scan] = []
-        for group in engine.scenery.suite.groups:
-            readings = group.readings
-            if not isinstance(readings, Scans):
-                continue
-            rows = group.rows[~settled[group.robots[group.rows]]]
-            for row in rows[:MOST_SCANS]:
-                fans.append(
-                    Scan(
-                        int(group.robots[row]),
-                        group.origins[row],
-                        readings.fov,
-                        readings.ranges[row],
-                    )
-                )
-        return fans
-
-    def sightings(self, engine: Engine, settled: NDArray[np.bool_]) -> list[Sighting]:
-        """What the blobfinders see that somebody reads."""
-        seen: list[Sighting] = []
-        for group in engine.scenery.suite.groups:
-            readings, settings = group.readings, group.settings
-            if not isinstance(readings, Blobs) or not hasattr(settings, "fov"):
-                continue
-            fov = math.radians(settings.fov)
-            rows = group.rows[~settled[group.robots[group.rows]]]
-            for row in rows[:MOST_SCANS]:
-                blobs = readings.seen(int(row))
-                # Columns are counted from the left; each is fov / width wide.
-                ends = np.stack([blobs["right"].astype(float) + 1, blobs["left"]], axis=1)
-                bearings = fov / 2 - ends * (fov / readings.width)
-                robot = int(group.robots[row])
-                seen.append(Sighting(robot, group.origins[row], bearings, blobs["color"]))
-        return seen
-
-    def drawings(self, engine: Engine) -> list[Drawing]:
-        """What programs have drawn, in world coordinates."""
-        drawn: list[Drawing] = []
-        for robot in engine.robots:
-            pose = engine.scenery.stage.poses[robot.index]
-            for shape in robot.drawings:
-                points = np.array(shape.points, float).reshape(-1, 2)
-                if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e6:
-                    continue
-                drawn.append(
-                    Drawing(
-                        shape.kind,  # type: ignore[arg-type]
-                        placed(points, pose),
-                        shape.color,
-                        shape.fill_color is not None,
-                        shape.fill_color,
-                    )
-                )
-        return drawn

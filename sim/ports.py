@@ -32,8 +32,8 @@ class Ports:
     """The ports of a run.
 
     `listen`: host and port of the first robot, in place of the world file's. `patience`:
-    wall-clock seconds that a robot's client is waited for. `say` and `warn` are given lines that
-    are meant for people.
+    wall-clock seconds that a robot's client is waited for, None: it is not waited for. `say` and
+    `warn` are given lines that are meant for people.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Ports:
         switchboard: Switchboard,
         server: Server,
         *,
-        patience: float,
+        patience: float | None,
         say: Callable[[str], None],
         warn: Callable[[str], None],
     ) -> None:
@@ -87,11 +87,15 @@ class Ports:
         self.shared.directory.time = self.context.time
         return self.shared.serve(d for d in devices if not isinstance(d, Simulation))
 
+    def serves(self, robot: Robot) -> bool:
+        """Whether a robot is to be reached from outside."""
+        return self.open or robot.driver.kind in ("command", "external")
+
     def serve(self, robot: Robot, index: int) -> int | None:
         """Open the robot's port, if it is to be reached from outside; the port's number."""
         self.server.max_connections = CONNECTIONS + CONNECTIONS_PER_ROBOT * (robot.index + 1)
         driver = robot.driver
-        if not self.open and driver.kind not in ("command", "external"):
+        if not self.serves(robot):
             return None
         if self.shared is not None:
             number = self.shared.directory.port
@@ -111,11 +115,15 @@ class Ports:
             elif robot.index == MOST_TOLD:
                 self.say(f"further robots are served at {self.host}:{number} and the ports above")
         if driver.kind == "external":
-            what = f"position2d:{index}" if driver.drives else "its devices"
-            self.say(
-                f"{robot.name}: waiting for a Player client at {self.host}:{number} "
-                f"that subscribes {what} ({how_long(self.patience)})"
-            )
+            where = f"a Player client at {self.host}:{number}"
+            if self.patience is None:
+                self.say(f"{robot.name}: {where} may come at any time")
+            else:
+                what = f"position2d:{index} or another of " if driver.drives else ""
+                self.say(
+                    f"{robot.name}: waiting for {where} that reads {what}its devices "
+                    f"({how_long(self.patience)})"
+                )
             if driver.drives and index == 0 and not self.hand_told:
                 self.hand_told = True
                 self.say(

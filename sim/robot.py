@@ -56,3 +56,4 @@ class Robot:
     sprayers: list[Sprayer]
     drawings: list[Drawing] = field(default_factory=list)
     property_names: set[str] = field(default_factory=set)  # of all that it was told to be
+    raw_properties: dict[str, bytes] = field(default_factory=dict)  # those that are no JSON

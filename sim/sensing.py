@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from player.server import Connection
 from sim.devices.build import robot_devices
 from sim.devices.device import Context, Device
 from sim.devices.encoding import Encodings
@@ -67,6 +68,12 @@ class Sensing:
         if sensor is not None:
             suite = self.scenery.suite
             self.want(np.array([suite.first_slot[device.robot.index] + sensor]))
+
+    def show_again(self, connection: Connection) -> None:
+        """Hand a client the readings of the present moment, also of what it has just subscribed."""
+        if self.switchboard.changed:
+            self.perceive(self.tick, self.context.time)
+        self.switchboard.show_again(connection, self.context.time)
 
     def look_again(self) -> None:
         """Something was moved by hand: bring what is read up to date within the tick."""

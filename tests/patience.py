@@ -4,5 +4,6 @@ What a test waits for ends by what happens, however loaded the machine. Who need
 client that gives up after a while, say) says in the test why no result depends on it.
 """
 
-PATIENCE = 600.0
-"""Wall-clock seconds."""
+from troupe.testing.patience import PATIENCE
+
+__all__ = ["PATIENCE"]

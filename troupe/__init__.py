@@ -68,6 +68,7 @@ def run(
     duration: float | None = None,
     set: Mapping[str, Any] | Sequence[str] = (),
     realtime: float | None = None,
+    free: bool = False,
     listen: str | tuple[str, int] | None = None,
     patience: float = 60.0,
     fail_fast: bool = False,
@@ -80,6 +81,7 @@ def run(
     at: float | None = None,
     log: str | Path | None = None,
     log_sensors: Sequence[str] | None = None,
+    report: str | Path | None = None,
     say: Callable[[str], None] | None = None,
     settings: Sequence[str] = (),
     controllers: Controllers = True,
@@ -96,6 +98,8 @@ def run(
         set: changes to the world file, such as `{"clock.interval": 0.05}`, or texts as on the
             command line, `["clock.interval=0.05"]`.
         realtime: simulated seconds per wall-clock second; as fast as possible unless given.
+        free: nobody waits for Player clients from outside: the world runs on by itself, in real
+            time unless `realtime` says otherwise.
         listen: where Player clients can connect, as `"127.0.0.1:6665"` or (host, port).
         patience: wall-clock seconds that a controller may keep the others waiting, and twice
             that until its first request; 0: for ever.
@@ -109,6 +113,7 @@ def run(
         at: the picture's moment in simulated seconds; the end of the run unless given.
         log: an MCAP file in which the run is kept, see docs/logs.md; the world file's unless given.
         log_sensors: the types of sensors whose readings it keeps as well, or `["all"]`.
+        report: an HTML file that is made of what came out, see docs/logs.md.
         say: called with every line meant for people: the controllers' output, and what goes
             wrong with them. Nothing is printed unless given.
         settings: more texts like those of `set`.
@@ -122,7 +127,7 @@ def run(
     the result so far comes back with the outcome `interrupted`. A controller that fails raises
     nothing: `result.outcome` and `result.robot(name).error` tell.
 
-    A video, picture or log that could not be written to its end, for want of room say, is a
+    A video, picture, log or report that could not be written to its end, for want of room say, is a
     RuntimeWarning: the result is none the worse for it.
 
     Raises:
@@ -147,6 +152,7 @@ def run(
             duration=duration,
             settings=[*as_text(set), *as_text(settings)],
             realtime=realtime,
+            free=free,
             listen=listen,
             patience=patience,
             fail_fast=fail_fast,
@@ -159,6 +165,7 @@ def run(
             at=at,
             log=log,
             log_sensors=log_sensors,
+            report=report,
             say=say or (lambda line: None),
             controllers=controllers,
             each_tick=hooks.each_tick if hooks.wanted else None,
@@ -170,8 +177,7 @@ def run(
 
         raise RunError(str(error), error.result) from error.__cause__
     hooks.finish(done.result)
-    if done.video_error is not None:
-        warnings.warn(done.video_error, RuntimeWarning, stacklevel=2)
-    if done.log_error is not None:
-        warnings.warn(done.log_error, RuntimeWarning, stacklevel=2)
+    for lacking in (done.video_error, done.log_error, done.report_error):
+        if lacking is not None:
+            warnings.warn(lacking, RuntimeWarning, stacklevel=2)
     return done.result

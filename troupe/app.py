@@ -15,6 +15,7 @@ COMMANDS = (
     "run",
     "view",
     "sweep",
+    "render",
     "report",
     "worlds",
     "examples",

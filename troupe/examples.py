@@ -7,6 +7,7 @@ paragraph what it shows and in its indented lines how it is run.
 from __future__ import annotations
 
 import ast
+import os
 import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -79,7 +80,7 @@ def find_example(name: str) -> Example:
     if name in known:
         return known[name]
     for example in known.values():
-        if name.isdecimal() and int(name) == int(example.name.partition("_")[0]):
+        if name.rjust(2, "0") == example.name.partition("_")[0]:
             return example
     near = suggestion(name, known)
     raise UsageError(f"there is no example {name!r}{near} (`troupe examples` lists them)")
@@ -92,7 +93,7 @@ def copy_examples(chosen: Iterable[tuple[Example, Path]]) -> list[Path]:
     """
     copies = [(file, folder / file.name) for example, folder in chosen for file in example.files]
     for _, target in copies:
-        if target.exists():
+        if os.path.lexists(target):
             raise UsageError(f"{target}: is there already; nothing was copied")
     for file, target in copies:
         target.parent.mkdir(parents=True, exist_ok=True)

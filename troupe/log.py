@@ -123,12 +123,12 @@ class Log:
     @property
     def seed(self) -> int:
         """The seed of the run."""
-        return int(self._reader.about["seed"])
+        return self._reader.whole("seed")
 
     @property
     def interval(self) -> float:
         """Seconds of a tick."""
-        return float(self._reader.about["interval"])
+        return self._reader.number("interval")
 
     @cached_property
     def result(self) -> dict[str, Any] | None:
@@ -268,6 +268,14 @@ class Log:
         """
         until = None if time is None else (nanoseconds(time) or 0) + 1
         return contents.floor(self._reader, until)
+
+    @property
+    def painted(self) -> NDArray[Any]:
+        """(k,) records of cells that somebody painted who was not the last to do so, by ticks.
+
+        Fields: tick, robot (index), row, column.
+        """
+        return contents.painted(self._reader, self._span)
 
     def scans(self, robot: str | int, index: int = 0) -> Scans:
         """The scans of a robot's laser (or ranger that scans) of an index among its scanners.

@@ -7,15 +7,16 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from sim.fleet.fleet import Fleet
 from sim.interrupts import Interrupts
-from troupe.interrupts import last_act
+from troupe.filmed import Filmed, Size
 from troupe.setting import Setting, as_text
 from troupe.usage import UsageError
+from troupe.usage import told as told_error
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 EachTick = Callable[["Engine"], None]
 Address = str | tuple[str, int]
-Size = str | tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,13 @@ class Run:
     video_error: str | None
     log_error: str | None = None
     log: Path | None = None
+    report_error: str | None = None
 
     @property
     def broken(self) -> bool:
         """Whether something that was asked for besides the result is not whole."""
-        return self.video_error is not None or self.log_error is not None
+        errors = (self.video_error, self.log_error, self.report_error)
+        return any(error is not None for error in errors)
 
 
 def run_file(
@@ -54,6 +56,7 @@ def run_file(
     settings: Setting = (),
     controllers: Controllers = True,
     realtime: float | None = None,
+    free: bool = False,
     listen: Address | None = None,
     patience: float = 60.0,
     fail_fast: bool = False,
@@ -68,6 +71,7 @@ def run_file(
     warn: Callable[[str], None] | None = None,
     log: str | Path | None = None,
     log_sensors: Sequence[str] | None = None,
+    report: str | Path | None = None,
     each_tick: EachTick | None = None,
     while_waiting: EachTick | None = None,
     interrupts: Interrupts | None = None,
@@ -87,13 +91,7 @@ def run_file(
     """
     check_numbers(seed, duration, realtime, patience)
     address = None if listen is None else parse_listen(listen)
-    check_pictures(
-        {"video fps": video_fps, "video speed": video_speed},
-        {"video size": video_size, "video show": video_show},
-        at,
-        video,
-        picture,
-    )
+    filmed = Filmed(video, video_fps, video_speed, video_size, video_show, picture, at)
     interrupts, own = interrupts or Interrupts(), interrupts is None
     begun = False
     keep: list[Callable[[str], None]] = []  # the log, once it is open, is told what people are
@@ -112,7 +110,7 @@ def run_file(
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
-        from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
+        from sim.rehearsal import is_served, rehearse  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.warm import warm_once  # noqa: PLC0415
@@ -128,44 +126,25 @@ def run_file(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,
             realtime=realtime,
+            free=free,
             listen=address,
             patience=patience or math.inf,
             fail_fast=fail_fast,
         )
+        if is_served(loaded, address, controllers):
+            rehearse(loaded, told.seed)
         interrupts.hold()
         if own:
             ending.callback(interrupts.release)
-        from sim.video.layers import parse_layers  # noqa: PLC0415
-        from sim.video.projection import parse_size  # noqa: PLC0415
-
-        size = parse_size(video_size) if isinstance(video_size, str) else video_size
-        show = parse_layers(video_show) if isinstance(video_show, str) else video_show
         check_log(loaded, log, log_sensors)
-        film = None
-        if picture is not None:
-            still = open_still(Path(picture), loaded, at=at, size=size, show=show)
-            film = Film(still=still)
-        if video is not None:
-            from sim.video.encode import abandon  # noqa: PLC0415
+        if report is not None:
+            from troupe.report.log import check_page  # noqa: PLC0415
 
-            ending.enter_context(last_act(partial(abandon, Path(video).resolve())))
-            video_recorder = open_recorder(
-                Path(video),
-                loaded,
-                fps=video_fps,
-                speed=video_speed,
-                size=size,
-                show=show,
-            )
-            film = Film(video_recorder, None if film is None else film.still)
-
-            def give_up(kind: object, *_: object, film: Film = film) -> None:
-                if kind and not begun and film.recorder is not None:
-                    film.recorder.close()  # no frames: no file
-
-            ending.push(give_up)
-            if video_recorder.notice:
-                say(video_recorder.notice)
+            check_page(Path(report))
+            if log_of(loaded, log, None)[0] is None:  # a report is made of a log
+                folder = ending.enter_context(TemporaryDirectory(prefix="troupe-report-"))
+                log = Path(folder) / "run.mcap"
+        film = filmed.open(loaded, ending, say, lambda: begun)
         recorder = open_log_of(loaded, told, log, log_sensors, as_text(settings))
         if recorder is not None:
             keep.append(recorder.line)
@@ -211,33 +190,33 @@ def run_file(
                 break
             told = replace(told, seed=seed)
             fleet = Fleet(show=say)
-    taken = None if film is None or film.still is None else film.still.time
-    if taken is not None and at is not None and taken < at - 1e-9:
-        say(f"{picture}: the run ended at {taken:g} s, and that is what the picture shows")
+        report_error = None if report is None else reported(recorder, Path(report))
+    short = filmed.shortfall(film)
+    if short is not None:
+        say(short)
     return Run(
         result,
         None if film is None else film.error,
         None if recorder is None else recorder.writer.error,
         None if recorder is None else recorder.writer.path,
+        report_error,
     )
 
 
-def check_pictures(
-    of_video: Mapping[str, object],
-    of_both: Mapping[str, object],
-    at: float | None,
-    video: object,
-    picture: object,
-) -> None:
-    """Raises UsageError for options of a video or a picture that is not to be made."""
-    for name, given in of_video.items():
-        if given is not None and video is None:
-            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
-    for name, given in of_both.items():
-        if given is not None and video is None and picture is None:
-            raise UsageError(f"{name}: there is no video to be made; name its file, as run.mp4")
-    if at is not None and picture is None:
-        raise UsageError("at: there is no picture to be made; name its file, as run.png")
+def reported(recorder: Recorder | None, path: Path) -> str | None:
+    """Write the report of the run that has been kept; why there is none, if so."""
+    from sim.log.errors import LogError  # noqa: PLC0415
+    from troupe.log import Log  # noqa: PLC0415
+    from troupe.report.log import write_report  # noqa: PLC0415
+
+    assert recorder is not None
+    try:
+        write_report(Log(recorder.writer.path), path)
+    except OSError as error:
+        return f"{path}: there is no report: {told_error(error)}"
+    except LogError as error:
+        return f"{path}: there is no report: {error}"
+    return None
 
 
 def check_numbers(

@@ -14,12 +14,15 @@ said) has its effect in the next one.
 
 from __future__ import annotations
 
+import contextlib
+import threading
+import warnings
 import weakref
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,14 +32,19 @@ from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
+from sim.rehearsal import is_served, rehearse
 from troupe.readings import Place, Readings, find_sensor, readings_of
+from troupe.running import check_log, log_of, open_log_of
+from troupe.setting import as_text
 from troupe.usage import UsageError
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
-    from sim.result import Outcome, Result
+    from sim.log.recorder import Recorder
+    from sim.result import ControllerState, Outcome, Result
     from sim.video.snapshot import Snapshot
+    from troupe.live.window import Window
 
 Floats = NDArray[np.float64]
 Robots = int | str | Iterable[int | str] | None
@@ -48,6 +56,15 @@ class RunError(RuntimeError):
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message)
         self.result = result
+
+
+class Entered(NamedTuple):
+    """A robot's entry: its time (s), who entered, and its pose x, y (m), yaw (rad)."""
+
+    time: float
+    name: str
+    model: str
+    pose: tuple[float, float, float]
 
 
 @dataclass
@@ -72,11 +89,20 @@ class Simulation:
         duration: simulated seconds at most; the world's unless given.
         set: changes to the world, such as `{"clock.interval": 0.05}`.
         listen: (host, port), where Player clients can connect.
+        realtime: simulated seconds per wall-clock second, to which steps are held; as fast as
+            possible unless given.
+        free: nobody waits for Player clients from outside, and steps are held to real time.
         patience: wall-clock seconds that a process may keep the others waiting.
+        log: an MCAP file in which the run is kept, see docs/logs.md; the world file's unless given.
+            It is whole when the simulation is closed. A run after `reset` has its own, whose name
+            ends in -2, -3 and so on.
+        log_sensors: the types of sensors whose readings it keeps as well, or `["all"]`.
         say: called with every line meant for people: what controllers print, what goes wrong.
 
     Raises:
         sim.worldfile.WorldError: the world has mistakes; all of them are in it.
+        sim.log.errors.LogError: the log cannot be written. One that cannot be written to its end is
+            a RuntimeWarning.
         ValueError: an argument cannot be.
     """
 
@@ -89,19 +115,31 @@ class Simulation:
         duration: float | None = None,
         set: Mapping[str, Any] | None = None,
         listen: tuple[str, int] | None = None,
+        realtime: float | None = None,
+        free: bool = False,
         patience: float = 60.0,
+        log: str | Path | None = None,
+        log_sensors: Sequence[str] | None = None,
         say: Callable[[str], None] = lambda line: None,
     ) -> None:
         self._loaded = loaded_world(world, set or {})
+        check_log(self._loaded, log, log_sensors)
+        self._kept = Kept(log, log_sensors, as_text(set or {}))
         self._controllers = checked_controllers(controllers, self._loaded)
         self._settings = Settings(
             seed=checked_seed(self._loaded.world.seed if seed is None else seed),
             duration=self._loaded.world.duration if duration is None else duration,
+            realtime=realtime,
+            free=free,
             listen=listen,
             patience=patience,
         )
         self._say = say
         self._own = True
+        self._lock: contextlib.AbstractContextManager[object] = contextlib.nullcontext()
+        self._window: Window | None = None
+        if is_served(self._loaded, listen, self._controllers):
+            rehearse(self._loaded, self._settings.seed)
         self._begin()
 
     @classmethod
@@ -111,23 +149,31 @@ class Simulation:
         made._loaded, made._settings, made._engine = engine.loaded, engine.settings, engine
         made._controllers, made._say = engine.controllers, engine.say
         made._sensors, made._wall_time = Sensors(), None
-        made._end = weakref.finalize(made, nothing)
+        made._end = weakref.finalize(made, nothing, engine, None)
         made._own = False
+        made._lock, made._window = contextlib.nullcontext(), None
         return made
 
     # -- life ---------------------------------------------------------------------------------
 
     def _begin(self) -> None:
         """A new engine at tick 0, with the robots that are there from the start."""
-        fleet: Any = Fleet(show=self._say) if self._has_processes() else NoFleet()
+        recorder = self._kept.open(self._loaded, self._settings, self._say)
+        say = self._say if recorder is None else both(self._say, recorder.line)
+        fleet: Any = Fleet(show=say) if self._has_processes() else NoFleet()
         try:
             self._engine = Engine(
-                self._loaded, self._settings, fleet, self._say, controllers=self._controllers
+                self._loaded, self._settings, fleet, say, controllers=self._controllers
             )
         except BaseException:
             fleet.close()
+            if recorder is not None:
+                recorder.finish(None, None)
             raise
-        self._end = weakref.finalize(self, self._engine.crew.dismiss)
+        self._recorder = recorder
+        if recorder is not None:
+            self._engine.sensing.logged = recorder.sensed.wanted
+        self._end = weakref.finalize(self, ended, self._engine, recorder)
         self._sensors = Sensors()
         self._wall_time: float | None = None
         try:
@@ -154,14 +200,27 @@ class Simulation:
             raise RuntimeError("this run goes on by itself: a hook cannot reset it")
         if seed is not None:
             self._settings = replace(self._settings, seed=checked_seed(seed))
-        self._end()
-        self._begin()
+        with self._lock:
+            self._stop()
+            self._begin()
 
     def close(self) -> None:
         """End the run and its processes. What was recorded can still be asked for."""
-        if self._end.alive:
-            self._wall_time = perf_counter() - self._engine.began
-            self._end()
+        with self._lock:
+            self._stop()
+        if self._window is not None:
+            self._window.close()
+
+    def _stop(self) -> None:
+        """End the run; its log is whole, its page shows how it ended."""
+        if not self._end.alive:
+            return
+        if self._window is not None and not self._window.closed:
+            self._window.leave(self.outcome or "interrupted")
+        self._wall_time = perf_counter() - self._engine.began
+        self._end()
+        if self._recorder is not None and self._recorder.writer.error is not None:
+            warnings.warn(self._recorder.writer.error, RuntimeWarning, stacklevel=3)
 
     def __enter__(self) -> Self:
         return self
@@ -186,17 +245,33 @@ class Simulation:
             raise ValueError(f"step(n): n must be at least 1 (given: {n})")
         if not self._end.alive:
             raise RuntimeError("this simulation has been closed; reset() starts it anew")
+        if self._engine.crew.interrupted:
+            return  # `stop` may come at any moment
         if self.over:
             raise RuntimeError(
                 f"the run is over at {self.time:g} s ({self.outcome}); reset() starts it anew"
             )
         for _ in range(n):
+            self._engine.keep_pace()
             try:
-                if not self._engine.advance():
-                    return
+                with self._lock:
+                    if not self._engine.advance():
+                        return
+                    if self._recorder is not None:
+                        self._recorder.each_tick(self._engine)
+                    if self._window is not None:
+                        self._window.each_tick(self._engine)
             except FunctionError as error:
                 self.close()
                 raise RunError(str(error), self.result()) from error.__cause__
+
+    def stop(self) -> None:
+        """End the run as `interrupted`, from another thread, say: steps do nothing any more.
+
+        One that waits for clients meanwhile ends when one of them says something, and within a
+        second at the latest.
+        """
+        self._engine.crew.interrupted = True
 
     # -- what there is ------------------------------------------------------------------------
 
@@ -204,6 +279,11 @@ class Simulation:
     def world(self) -> str:
         """The world's file, as results name it."""
         return label(self._loaded.path)
+
+    @property
+    def loaded(self) -> LoadedWorld:
+        """The world, read and checked."""
+        return self._loaded
 
     @property
     def time(self) -> float:
@@ -241,6 +321,17 @@ class Simulation:
         return [robot.name for robot in self._engine.robots]
 
     @property
+    def entries(self) -> list[Entered]:
+        """Of every robot: when it entered, its name, model and pose."""
+        records = [robot.record for robot in self._engine.robots]
+        return [Entered(one.entered, one.name, one.model, one.start) for one in records]
+
+    @property
+    def states(self) -> list[ControllerState]:
+        """(n,) the state of each robot's controller, as in results."""
+        return [robot.record.state for robot in self._engine.robots]
+
+    @property
     def poses(self) -> Floats:
         """(n, 3) x, y in metres and yaw in radians, in the world: the truth."""
         return self._engine.scenery.stage.poses.copy()
@@ -249,6 +340,11 @@ class Simulation:
     def velocities(self) -> Floats:
         """(n, 3) vx, vy in m/s and wz in rad/s, in each robot's frame, as the bodies move."""
         return self._engine.scenery.stage.velocities.copy()
+
+    @property
+    def movable_poses(self) -> Floats:
+        """(m, 3) x, y, yaw of the obstacles that can be pushed."""
+        return self._engine.scenery.stage.movable_poses.copy()
 
     @property
     def odometry(self) -> Floats:
@@ -264,6 +360,14 @@ class Simulation:
     def contacts(self) -> NDArray[np.int64]:
         """(n,) how often each has begun to touch another body or a wall."""
         return self._engine.scenery.stage.contact_counts.copy()
+
+    def floor(self) -> NDArray[np.int16] | None:
+        """(rows, columns) who painted each cell last: 1 + robot, 0 for nobody; row 0 is at y = 0.
+
+        None where nobody has painted.
+        """
+        floor = self._engine.scenery.floor
+        return floor.owner.copy() if floor.painted_area > 0.0 else None
 
     def readings(self, sensor: str) -> Readings:
         """What a sensor (`laser`, `laser:1`) of every robot that has it reads now.
@@ -338,7 +442,8 @@ class Simulation:
             twists[:, column] = given
         if not np.isfinite(twists).all():
             raise ValueError("command: velocities must be finite numbers")
-        self._engine.scenery.stage.command(which, twists)
+        with self._lock:
+            self._engine.scenery.stage.command(which, twists)
 
     def _refuse_driven(self, robots: NDArray[np.int64], what: str) -> None:
         """A robot with a controller of its own obeys that one alone."""
@@ -362,9 +467,10 @@ class Simulation:
         if at.shape != (3,) or not np.isfinite(at).all():
             raise ValueError(f"set_pose: a pose is three finite numbers x, y, yaw, not {pose!r}")
         goal = (float(at[0]), float(at[1]), float(at[2]))
-        if self._engine.scenery.put({index: goal}):
-            raise ValueError(f"set_pose: there is no room for {self.names[index]} at {goal}")
-        self._engine.sensing.look_again()
+        with self._lock:
+            if self._engine.scenery.put({index: goal}):
+                raise ValueError(f"set_pose: there is no room for {self.names[index]} at {goal}")
+            self._engine.sensing.look_again()
 
     def spray(self, robot: int | str, on: bool = True, sprayer: int = 0) -> None:
         """Switch one of a robot's sprayers on or off, from the next step on.
@@ -380,28 +486,67 @@ class Simulation:
     def say(self, robot: int | str, text: str) -> None:
         """Have a robot say something: it stands in the result, and in pictures for a while."""
         (index,) = self.indices(robot).tolist()
-        self._engine.robots[index].record.said.append((self.time, str(text)))
+        with self._lock:
+            self._engine.robots[index].record.said.append((self.time, str(text)))
+            self._engine.context.changes += 1
 
     # -- what comes out of it -----------------------------------------------------------------
 
-    def snapshot(self) -> Snapshot:
+    def view(self) -> Snapshot:
         """What this moment shows, as plain arrays that are read at once."""
         from sim.filming import Film  # noqa: PLC0415
 
-        return Film().snapshot(self._engine)
+        return Film().look(self._engine).snapshot()
 
     def picture(self, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
         """This moment as an image (height, width, 3), red, green, blue; `size`: width, height.
 
         Raises sim.video.errors.VideoError for a size that cannot be.
         """
-        from sim.filming import Film, backdrop_of, shape_of  # noqa: PLC0415
+        from sim.showing import backdrop_of, shape_of  # noqa: PLC0415
         from sim.video.picture import Picture  # noqa: PLC0415 - loads OpenCV
 
         picture = Picture(backdrop_of(self._loaded), size)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
-        return np.ascontiguousarray(picture.draw(Film().snapshot(self._engine))[:, :, ::-1])
+        return np.ascontiguousarray(picture.draw(self.view())[:, :, ::-1])
+
+    def show(
+        self,
+        address: str | tuple[str, int] = ("127.0.0.1", 0),
+        *,
+        browser: bool | None = None,
+        read_only: bool = False,
+    ) -> Window:
+        """Show this run live in a page: at once, at every step, and between steps.
+
+        Args:
+            address: where it is served, as `"127.0.0.1:7000"` or (host, port); port 0: a free one.
+            browser: whether a browser is opened; unless given, it is where no notebook shows it.
+            read_only: whether whoever watches can only watch, and not move robots by hand.
+
+        In a notebook the last line of a cell, `sim.show()`, shows the page there. What is given
+        back has its `address`, and `close()`; it goes with this simulation. A second call gives the
+        same page. Raises OSError where the address cannot be had.
+        """
+        from troupe.live.window import Window  # noqa: PLC0415 - loaded for those who watch
+        from troupe.view_option import parse_address  # noqa: PLC0415
+
+        if not self._end.alive or not self._own:
+            raise RuntimeError("show: this run is closed, or goes on by itself")
+        if self._window is None or self._window.closed:
+            host, port = parse_address("show", address) if isinstance(address, str) else address
+            self._lock = threading.RLock()
+            self._window = Window(
+                lambda: self._engine,
+                self._lock,
+                host,
+                port,
+                browser=browser,
+                read_only=read_only,
+                say=self._say,
+            )
+        return self._window
 
     def _repr_png_(self) -> bytes:
         """The present moment, where a notebook shows the simulation."""
@@ -417,8 +562,56 @@ class Simulation:
         return self._engine.result(self.outcome or "interrupted", wall_time)
 
 
-def nothing(grace: float = 0.0) -> None:
-    """There is nothing to end."""
+@dataclass
+class Kept:
+    """The logs of a simulation: the first run's, then those of the runs after a reset."""
+
+    log: str | Path | None
+    sensors: Sequence[str] | None
+    settings: Sequence[str]
+    runs: int = 0
+
+    def open(
+        self, loaded: LoadedWorld, told: Settings, say: Callable[[str], None]
+    ) -> Recorder | None:
+        """The next one; None where none is wanted. Raises LogError."""
+        path, sensors = log_of(loaded, self.log, self.sensors)
+        self.runs += 1
+        if path is None:
+            return None
+        if self.runs > 1:
+            path = path.with_name(f"{path.stem}-{self.runs}{path.suffix}")
+        recorder = open_log_of(loaded, told, path, sensors, self.settings)
+        if recorder is not None:
+            recorder.complain = say
+        return recorder
+
+
+def ended(engine: Engine, recorder: Recorder | None) -> None:
+    """End a run's processes, and complete its log."""
+    try:
+        result = None
+        if recorder is not None:
+            outcome = engine.ended or engine.outcome() or "interrupted"
+            result = engine.result(outcome, perf_counter() - engine.began)
+        engine.crew.dismiss()
+    finally:
+        if recorder is not None:
+            recorder.finish(engine, result)
+
+
+def both(one: Callable[[str], None], other: Callable[[str], None]) -> Callable[[str], None]:
+    """Lines go to both."""
+
+    def say(line: str) -> None:
+        one(line)
+        other(line)
+
+    return say
+
+
+def nothing(engine: Engine, recorder: Recorder | None) -> None:
+    """The run goes on by itself, and so it ends."""
 
 
 def listed(names: list[str], most: int = 8) -> str:

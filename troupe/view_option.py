@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+import sys
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, cast
 
+import typer
 from typer.core import TyperCommand
 
+from player.printable import printable
 from troupe.usage import UsageError
 
 ADDRESS = re.compile(r"\[?[\w.:-]*\]?:\d+|\d+")
 """HOST:PORT, :PORT or PORT. A world that is called so is named by its path, as ./7000."""
+
+MISUSED = cast("type[Exception]", typer.BadParameter.__bases__[0])
+"""What Click raises for words that a command does not know."""
 
 
 class ViewCommand(TyperCommand):
@@ -19,7 +26,14 @@ class ViewCommand(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Click's own, after the address has been told apart."""
-        return super().parse_args(ctx, told_apart(args))
+        try:
+            return super().parse_args(ctx, told_apart(args))
+        except MISUSED:
+            wrong = no_address(args)
+            if wrong is None:
+                raise
+            print(printable(str(wrong)), file=sys.stderr)
+            raise typer.Exit(2) from None
 
 
 def told_apart(args: Iterable[str]) -> list[str]:
@@ -33,6 +47,18 @@ def told_apart(args: Iterable[str]) -> list[str]:
         else:
             found.append(word)
     return found
+
+
+def no_address(args: Iterable[str]) -> UsageError | None:
+    """What is wrong with the word behind `--view`, of a command that has one word too many."""
+    words = list(args)
+    for word, behind in itertools.pairwise(words):
+        if word == "--view" and not behind.startswith("-") and not ADDRESS.fullmatch(behind):
+            try:
+                parse_address("view", behind)
+            except UsageError as error:
+                return error
+    return None
 
 
 def parse_address(option: str, text: str) -> tuple[str, int]:

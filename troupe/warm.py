@@ -114,30 +114,15 @@ def compile_all() -> None:
 
 
 def sense_and_move() -> None:
-    """Two ticks of a small world in which everything is sensed and every drive and sprayer on."""
+    """A small world in which everything is sensed and every drive and sprayer on."""
     from sim.build import load
-    from sim.engine import Engine, Settings
-    from sim.fleet.fleet import Fleet
+    from sim.rehearsal import run_for_nobody
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "everything.yaml"
         path.write_text(WORLD)
         loaded = load(path)
-    fleet = Fleet()
-    try:
-        settings = Settings(seed=1, duration=1.0, sense_all=True)
-        engine = Engine(loaded, settings, fleet, lambda line: None)
-    except BaseException:
-        fleet.close()
-        raise
-
-    def drive(engine: Engine) -> None:
-        for robot in engine.robots:
-            engine.context.drive(robot, (0.2, 0.0, 0.3))
-            for sprayer in robot.sprayers:
-                sprayer.on = True
-
-    engine.run(drive)
+    run_for_nobody(loaded, seed=1)
 
 
 def disperse() -> None:

@@ -3,7 +3,7 @@
 All lasers are read as one array, and all robots are commanded with arrays: no loop over robots.
 Nobody touches anybody, and in the end each has a metre of room around it.
 
-    python keep_distance.py [SEED]
+    python keep_distance.py 7     # with seed 7; 1 unless given
 """
 
 import sys

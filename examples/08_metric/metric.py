@@ -4,7 +4,7 @@ A hook is called after every tick; once a second it notes which share of the roo
 a metre has had a robot in it. The share never falls, and ends above a fifth. Where matplotlib is
 installed the curve is drawn too.
 
-    python metric.py [SEED]
+    python metric.py 7     # with seed 7; 1 unless given
 """
 
 import csv

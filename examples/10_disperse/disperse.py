@@ -4,7 +4,7 @@
 bodies, lasers and controllers do the same: every cell gets a robot, nobody touches anybody, and
 each robot goes as many cells as on the grid.
 
-    python disperse.py [SEED]
+    python disperse.py 7     # with seed 7; 1 unless given
 """
 
 import sys

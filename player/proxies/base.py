@@ -45,8 +45,9 @@ class _Reading:
     def __get__(self, proxy: Proxy | None, owner: type[Proxy]) -> Any:
         if proxy is None:
             return self
-        if self._make is not None and proxy.valid:
-            value = proxy.__dict__[self._name] = self._make(proxy)
+        value = None if self._make is None else self._make(proxy)
+        if value is not None:
+            proxy.__dict__[self._name] = value
             return value
         raise NoReading(
             f"{proxy.addr} has sent no {self._name} yet: call read() first "
@@ -57,8 +58,8 @@ class _Reading:
 def reading(make: Callable[[Any], Any] | None = None) -> Any:
     """A proxy's value that data brings: whoever looks at it before gets NoReading.
 
-    `make(proxy)`: makes the value of the last data when it is first looked at; the proxy takes the
-    one before out of its `__dict__` when new data comes.
+    `make(proxy)`: makes the value of the last data when it is first looked at, None if there were
+    none; the proxy takes the one before out of its `__dict__` when new data comes.
     """
     return _Reading(make)
 

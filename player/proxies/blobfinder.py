@@ -63,7 +63,9 @@ class BlobfinderProxy(Proxy):
 
     interface = Interface.BLOBFINDER
 
-    def _make_blobs(self) -> list[Blob]:
+    def _make_blobs(self) -> list[Blob] | None:
+        if self._payload is None:
+            return None
         blobs = [_new(Blob, row) for row in _BLOB.iter_unpack(self._payload[_HEAD.size :])]
         if blobs:
             image = Image(self, self.width)
@@ -78,7 +80,7 @@ class BlobfinderProxy(Proxy):
     height: int = reading()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self._payload = b""
+        self._payload: bytes | None = None
         self._fov: float | None = None
         self._fov_asked = False
         super().__init__(*args, **kwargs)

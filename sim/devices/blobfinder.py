@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -112,6 +113,7 @@ class Blobfinder(SensorDevice):
         raise Refused  # the camera has no imager to be set
 
 
+@cache
 def exactly(color: int) -> Channel:
     """The channel that takes one colour 0xRRGGBB alone."""
     red, green, blue = color >> 16 & 255, color >> 8 & 255, color & 255

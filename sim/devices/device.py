@@ -16,6 +16,7 @@ import numpy as np
 
 from player import DeviceAddr
 from player.server import Connection
+from sim.devices.things import Thing
 from sim.robot import Robot
 from sim.scenery import Scenery
 
@@ -42,6 +43,7 @@ class Context:
     interval: float
     robots: list[Robot] = field(default_factory=list)
     by_name: dict[str, Robot] = field(default_factory=dict)
+    things: dict[str, Thing] = field(default_factory=dict)  # obstacles, by name
     time: float = 0.0
     paused: bool = False  # by a client
     held: bool = False  # by somebody who watches: no controller is to blame for the wait
@@ -52,7 +54,10 @@ class Context:
     )
     puts: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
     # robots that are to be put at poses, by the robot whose client asked
+    thing_puts: dict[int, dict[str, tuple[float, float, float]]] = field(default_factory=dict)
+    # the same of obstacles, by their names
     twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    changes: int = 0  # how many there have been: what they bring about is looked for after one
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
     def admit(self, robot: Robot) -> None:
@@ -85,6 +90,14 @@ class Context:
         self.puts.clear()
         return goals
 
+    def take_thing_puts(self) -> dict[str, tuple[float, float, float]]:
+        """Where obstacles shall be put, by name, likewise; and forget it."""
+        goals: dict[str, tuple[float, float, float]] = {}
+        for asking in sorted(self.thing_puts):
+            goals.update(self.thing_puts[asking])
+        self.thing_puts.clear()
+        return goals
+
     def carry_out(self) -> list[tuple[Connection, Exception]]:
         """Call what `later` was given, robot by robot, each in the order of arrival.
 
@@ -93,6 +106,7 @@ class Context:
         failed = []
         while self.pending:
             pending, self.pending = self.pending, {}
+            self.changes += len(pending)
             for robot in sorted(pending):
                 for action, client in pending[robot].values():
                     try:

@@ -15,16 +15,15 @@ from numpy.typing import NDArray
 
 from player import layouts
 from player.codes import Interface
-from sensors.readings import Blobs, Elements, Intensities, Scans
+from sensors.readings import BLOB, Blobs, Elements, Intensities, Scans
 from sensors.suite import Group
+from sim.devices.kernels import blob_words, write_ranges
 
 STATE = layouts.data(Interface.POSITION2D)
 SCAN = layouts.data(Interface.LASER)
 RANGES, INTENSITIES = layouts.data(Interface.RANGER, 1), layouts.data(Interface.RANGER, 3)
 SONAR = layouts.data(Interface.SONAR)
 BLOBS = layouts.data(Interface.BLOBFINDER)
-WHOLE = BLOBS.element.names.index("range")  # type: ignore[union-attr]
-"""The whole numbers of a blob: all but its range, the last, in sensors' blobs as on the wire."""
 
 
 Encode = Callable[[Group], Sequence[bytes]]
@@ -88,13 +87,13 @@ class Encodings:
         self.round = 0  # of perceiving: what is encoded belongs to one
         self.groups: dict[tuple[int, str], GroupEncoder] = {}
 
-    def payload(self, group: Group, message: str, row: int) -> bytes:
-        """One of the messages below, of one row of a group, as of this round."""
+    def encoder(self, group: Group, message: str) -> GroupEncoder:
+        """What encodes one of the messages below, of a group's rows."""
         encoder = self.groups.get((id(group), message))
         if encoder is None:
             encoder = GroupEncoder(group, ENCODERS[message]())
             self.groups[id(group), message] = encoder
-        return encoder.payload(row, self.round)
+        return encoder
 
 
 class Alike:
@@ -134,8 +133,11 @@ def make_scans(group: Group) -> NDArray[Any]:
 def fill_scans(rows: NDArray[Any], group: Group) -> None:
     """The ranges of SCAN."""
     scans: Any = group.readings
-    hit = wanted(group, scans.hits) >= 0
-    rows["ranges"] = told(wanted(group, scans.ranges), hit, scans.max_range)
+    farthest = last_before(scans.max_range, "f4")
+    words = rows.view(np.uint32).reshape(len(rows), rows.itemsize // 4)
+    ranges = np.ascontiguousarray(scans.ranges, np.float64)  # of a sensor of one's own
+    hits = np.ascontiguousarray(scans.hits, np.int32)
+    write_ranges(ranges, hits, group.rows, farthest, words, SCAN.head.size // 4)
 
 
 def wanted(group: Group, array: NDArray[Any]) -> NDArray[Any]:
@@ -212,29 +214,16 @@ def encode_blobs(group: Group) -> Sequence[bytes]:
     """blobfinder BLOBS (subtype 1)."""
     readings = group.readings
     assert isinstance(readings, Blobs)
-    counts = wanted(group, readings.counts)
-    most = int(counts.max(initial=0))
-    held = np.arange(most) < counts[:, None]
-    data = blobs_as_told(wanted(group, readings.blobs)[:, :most][held])
+    blobs = np.ascontiguousarray(readings.blobs, BLOB)
+    counts = np.ascontiguousarray(readings.counts, np.int64)
+    data = blob_words(blobs, counts, group.rows).tobytes()
     head, size = BLOBS.head, BLOBS.element.itemsize
     messages, start = [], 0
-    for count in counts.tolist():
+    for count in wanted(group, counts).tolist():
         end = start + count * size
         messages.append(head.pack(readings.width, readings.height, count, count) + data[start:end])
         start = end
     return messages
-
-
-def blobs_as_told(blobs: NDArray[Any]) -> bytes:
-    """Blobs (k,) as they travel: whole numbers, and then the range.
-
-    All whole numbers at once: numpy converts records field by field, which takes ten times as long.
-    """
-    told = np.empty((len(blobs), WHOLE + 1), BLOBS.element["id"])
-    words = np.ascontiguousarray(blobs).view(np.uint32).reshape(len(blobs), -1)
-    told[:, :WHOLE] = words[:, :WHOLE]
-    told.view(BLOBS.element["range"])[:, WHOLE] = blobs["range"]
-    return told.tobytes()
 
 
 ENCODERS: dict[str, Callable[[], Encode]] = {

@@ -11,9 +11,9 @@ import numpy as np
 from player import DeviceAddr, layouts
 from player.codes import Interface
 from sensors.readings import Scans
-from sim.devices.device import Context, Refused, Values, finite, flat_pose, limited
+from sim.devices.device import Context, Refused, Values, finite, flat_pose
 from sim.devices.encoding import Encodings, told
-from sim.devices.sensor import SENSOR_SIZE, SensorDevice
+from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
 WITH_POSE = "scan_pose"
@@ -25,6 +25,12 @@ TAIL, TAIL_WITH_POSE = PART.tail, layouts.data(Interface.LASER, SCAN_POSE).tail
 
 SLACK = 1e-3
 """Of a step between two rays: angles travel as float32, which know a ray's place to about 1e-5."""
+FLOAT = 1e-6
+"""Relative: what a float32 may be off."""
+COARSER = 0.01
+"""Relative: Stage's resolution is the angle by the number of rays, not of steps between them."""
+NEAREST = 1e-3
+"""Metres: a scan that reaches no farther tells nothing."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +47,8 @@ class Cut:
 class Laser(SensorDevice):
     """A scan on Player's laser interface.
 
-    A client may narrow it, thin it out and shorten it (SET_CONFIG): whatever it asks for is cut
-    to what the sensor of the world file can do, and the reply says what it is now.
+    A client may narrow it, thin it out and shorten it (SET_CONFIG), and the reply says what it is
+    now. What the sensor of the world file cannot do is refused, as Player does.
     """
 
     addr = DeviceAddr(Interface.LASER, 0)
@@ -90,9 +96,9 @@ class Laser(SensorDevice):
 
     def request(self, name: str, values: Values) -> Values | None:
         if name == "geometry":
-            return {"pose": flat_pose(*self.mount), "size": SENSOR_SIZE}
+            return {"pose": flat_pose(*self.mount), "size": self.size}
         if name == "set_config":
-            cut = self.nearest(values)
+            cut = self.granted(values)
             self.cut = self.whole if cut == self.whole else cut
             return self.configuration()
         if name == "get_config":
@@ -121,25 +127,34 @@ class Laser(SensorDevice):
             "scanning_frequency": 1.0 / self.context.interval,
         }
 
-    def nearest(self, wanted: Values) -> Cut:
-        """The part of the scan that comes next to what a client wants; Refused where none does.
+    def granted(self, wanted: Values) -> Cut:
+        """The part of the scan that a client wants; Refused where the sensor cannot have it.
 
-        Angles are cut to the sensor's, the resolution is taken to whole steps between rays (0:
-        as fine as it gets), and a range above the sensor's, or 0, is the sensor's.
+        A scan that begins or ends between two rays is cut to the rays within it, and a resolution
+        of two rays and a half is taken to whole ones. What lies outside of the sensor's angles, is
+        finer than its rays, leaves fewer than two of them, reaches farther than it does, or not as
+        far as it can tell apart, is no part of it: libplayerc sends whatever stood in memory as
+        the range.
         """
-        asked = [wanted[name] for name in ("min_angle", "max_angle", "resolution", "max_range")]
+        names = ("min_angle", "max_angle", "resolution", "max_range", "range_resolution")
+        asked = [float(wanted[name]) for name in names]
         if not finite(*asked):
             raise Refused
-        least, most, fine, reach = map(limited, asked)
-        if not (least <= most and fine >= 0 and reach >= 0):
-            raise Refused
+        least, most, fine, reach, apart = asked
         scans = self.scans
         right, own = -scans.fov / 2, scans.resolution
+        if not own * (1 - COARSER) <= fine <= scans.fov * (1 + COARSER):
+            raise Refused
+        nearest = max(NEAREST, apart, getattr(self.group.settings, "min_range", 0.0))
+        if not nearest <= reach <= scans.max_range * (1 + FLOAT):
+            raise Refused
+        if least < right - SLACK * own or most > -right + SLACK * own:
+            raise Refused
         first = max(0, math.ceil((least - right) / own - SLACK))
         last = min(self.whole.last, math.floor((most - right) / own + SLACK))
-        if first > last:
-            raise Refused
         step = max(1, round(fine / own))
         last -= (last - first) % step
-        reach = min(reach, scans.max_range) if reach > 0 else scans.max_range
+        if last - first < step:
+            raise Refused
+        reach = min(reach, scans.max_range)
         return Cut(first, last, step, reach, bool(wanted["intensity"]))

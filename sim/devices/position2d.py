@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import partial
 
 from player import DeviceAddr
 from player.codes import Interface
@@ -21,7 +22,7 @@ from sim.devices.device import (
 )
 from sim.devices.encoding import Encodings
 from sim.robot import Robot
-from sim.stage.geometry import size_of
+from sim.stage.geometry import extent, size_of
 
 Pose = tuple[float, float, float]
 
@@ -76,7 +77,7 @@ class Position2d:
             return
         numbers = NUMBERS[name](values)
         if finite(*numbers):
-            self.context.later(self.robot, lambda: obey(values), DRIVE)
+            self.context.later(self.robot, partial(obey, values), DRIVE)
             return
         self.context.later(self.robot, self.stop, DRIVE)
         told = ", ".join(f"{number:g}" for number in numbers)
@@ -116,7 +117,9 @@ class Position2d:
         context, robot = self.context, self.robot
         if name == "geometry":
             length, width, height = size_of(robot.model.body)
-            return {"pose": flat_pose(), "size": (width, length, height)}
+            least, most = extent(robot.model.body)
+            x, y = map(float, (least + most) / 2)  # the body's middle need not be its origin
+            return {"pose": flat_pose(x, y), "size": (width, length, height)}
         if name == "motor_power":
             on = bool(values["state"])
             context.later(robot, lambda: self.stage.motors(robot.index, on), "motors")

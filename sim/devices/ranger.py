@@ -39,7 +39,7 @@ class Ranger(SensorDevice):
                 poses = [flat_pose(*map(float, pose)) for pose in readings.poses]
             return {
                 "pose": flat_pose(*self.mount),
-                "size": SENSOR_SIZE,
+                "size": self.size,
                 "element_poses": poses,
                 "element_sizes": [SENSOR_SIZE] * len(poses),
             }

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from player import DeviceAddr
+from sensors.laser import LaserSettings
+from sensors.ranger import RangerSettings
 from sensors.suite import Group
 from sim.devices.device import Context, Values
-from sim.devices.encoding import Encodings
+from sim.devices.encoding import Encodings, GroupEncoder
 from sim.robot import Robot
 
 SENSOR_SIZE = (0.02, 0.02, 0.02)
 """Width, length, height in metres: what Stage says of an element; nothing depends on it."""
+
+Size = tuple[float, float, float]
 
 
 class SensorDevice:
@@ -24,6 +28,7 @@ class SensorDevice:
         self.sensor = sensor
         group, self.row = context.scenery.suite.place(robot.index, sensor)
         self.group: Group = group
+        self.encoders: dict[str, GroupEncoder] = {}
 
     @property
     def mount(self) -> tuple[float, float, float]:
@@ -31,9 +36,21 @@ class SensorDevice:
         x, y, heading = self.group.settings.mount
         return (float(x), float(y), float(heading))
 
+    @property
+    def size(self) -> Size:
+        """Width, length and height of its housing, m, where its settings know of one."""
+        settings = self.group.settings
+        if not isinstance(settings, LaserSettings | RangerSettings):
+            return SENSOR_SIZE
+        length, width = settings.housing
+        return (width, length, SENSOR_SIZE[2])
+
     def payload(self, message: str) -> bytes:
         """This tick's reading as one of the messages that are encoded in batches."""
-        return self.encodings.payload(self.group, message, self.row)
+        encoder = self.encoders.get(message)
+        if encoder is None:
+            encoder = self.encoders[message] = self.encodings.encoder(self.group, message)
+        return encoder.payload(self.row, self.encodings.round)
 
     def command(self, name: str, values: Values) -> None:
         """There are no commands."""

@@ -15,6 +15,8 @@ from sim import strictjson
 from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
 from sim.robot import Robot
 
+Pose = tuple[float, float, float]
+
 COLOR = struct.Struct("<4f")
 TIME = struct.Struct("<Q")
 
@@ -55,7 +57,7 @@ class Simulation:
 
         That is the order of those who ask; at a shared port, of those who are meant.
         """
-        asking = self.robot if len(self.members) == 1 else target
+        asking = self.robot if self.alone else target
         self.context.later(asking, action, (what, target.index))
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
@@ -78,22 +80,30 @@ class Simulation:
             return None
         if not self.full or "name" not in values:
             raise Refused
-        target = self.target(values["name"])
-        context = self.context
-        x, y, yaw = map(float, context.scenery.stage.poses[target.index])
-        if name == "get_pose2d":
-            return {"name": values["name"], "pose": (x, y, yaw)}
-        if name == "get_pose3d":
-            return {
-                "name": values["name"],
-                "pose": flat_pose(x, y, yaw),
-                "simtime": context.time * 1e6,
-            }
+        who = values["name"]
         if name in ("set_pose2d", "set_pose3d"):
             pose = values["pose"]
-            self.put(target, (pose[0], pose[1], pose[-1]))
+            self.put(who, (pose[0], pose[1], pose[-1]))
             return None
+        x, y, yaw = self.where(who)
+        if name == "get_pose2d":
+            return {"name": who, "pose": (x, y, yaw)}
+        if name == "get_pose3d":
+            return {
+                "name": who,
+                "pose": flat_pose(x, y, yaw),
+                "simtime": self.context.time * 1e6,
+            }
         raise Refused
+
+    @property
+    def alone(self) -> bool:
+        """Whether one robot's clients only come in here: they see at once what they have asked for.
+
+        At a shared port that would depend on whose request came first, so there everybody sees what
+        held at the last tick.
+        """
+        return len(self.members) == 1
 
     def target(self, name: str) -> Robot:
         """The robot of that name, if a client here may deal with it; raises Refused."""
@@ -102,20 +112,46 @@ class Simulation:
             raise Refused
         return robot
 
-    def put(self, target: Robot, pose: tuple[float, float, float]) -> None:
-        """Have a robot put at a pose at the next command phase; raises Refused without room there.
+    def where(self, name: str) -> Pose:
+        """Where a robot, or an obstacle with a name, is: x, y, yaw; raises Refused.
 
-        Where the others are is what held at the last tick, but for those whom this robot's clients
-        have had put elsewhere since. What others ask for meanwhile is looked at when it is done.
+        Who has just had it put elsewhere finds it there.
         """
-        context = self.context
-        alone = len(self.members) == 1
-        asked = context.puts.setdefault((self.robot if alone else target).index, {})
-        if not (
-            sane(*pose) and context.scenery.stage.fits(target.index, pose, asked if alone else {})
-        ):
+        context, stage = self.context, self.context.scenery.stage
+        thing = context.things.get(name)
+        if thing is not None:
+            put = context.thing_puts.get(self.robot.index, {}) if self.alone else {}
+            return put[name] if name in put else thing.where(stage)
+        target = self.target(name)
+        asked = context.puts.get(self.robot.index, {}) if self.alone else {}
+        x, y, yaw = map(float, asked.get(target.index, stage.poses[target.index]))
+        return x, y, yaw
+
+    def put(self, name: str, pose: Pose) -> None:
+        """Have a robot, or an obstacle with a name, put at a pose at the next command phase.
+
+        Raises Refused without room there. Where the others are is what held at the last tick, but
+        for robots that this robot's clients have had put elsewhere since. What others ask for
+        meanwhile is looked at when it is done.
+        """
+        context, stage = self.context, self.context.scenery.stage
+        thing = context.things.get(name)
+        target = None if thing is not None else self.target(name)
+        asking = self.robot if self.alone or target is None else target
+        asked = context.puts.setdefault(asking.index, {})
+        moved = asked if self.alone else {}
+        if not sane(*pose):
             raise Refused
-        asked[target.index] = pose
+        if target is not None:
+            if not stage.fits(target.index, pose, moved):
+                raise Refused
+            asked[target.index] = pose
+            return
+        assert thing is not None
+        number = thing.number
+        if number is None or not stage.fits(stage.count + number, pose, moved):
+            raise Refused  # what stands is built in: walls, for bodies and for rays
+        context.thing_puts.setdefault(asking.index, {})[name] = pose
 
     def get_property(self, values: Values) -> Values:
         key = values["property"]
@@ -124,10 +160,11 @@ class Simulation:
         elif key == "color":
             value = color_bytes(self.target(values["name"]).color)
         else:
-            properties = self.target(values["name"]).record.properties
+            target = self.target(values["name"])
+            properties = target.record.properties
             if key not in properties and not self.just_told(values):
                 raise Refused
-            value = json.dumps(properties.get(key)).encode()
+            value = target.raw_properties.get(key) or json.dumps(properties.get(key)).encode()
         value = self.just_told(values) or value
         # Player's client copies as many bytes as it sent: never give it fewer
         value = value.ljust(len(values["value"]), b"\0")
@@ -136,11 +173,10 @@ class Simulation:
     def just_told(self, values: Values) -> bytes:
         """What a client has set since the last tick, which is not carried out yet; else empty.
 
-        Who sets a property and then reads it finds it set. At a shared port that would depend on
-        whose request came first, so there everybody sees what held at the last tick.
+        Who sets a property and then reads it finds it set.
         """
         time, value = self.told.get((values["name"], values["property"]), (-1.0, b""))
-        return value if time == self.context.time and len(self.members) == 1 else b""
+        return value if time == self.context.time and self.alone else b""
 
     def set_property(self, values: Values) -> None:
         target = self.target(values["name"])
@@ -157,17 +193,19 @@ class Simulation:
             return
         if len(data) > LONGEST_VALUE or len(key) > LONGEST_KEY:
             raise Refused
+        raw = b""
         try:
             value = parse_json(data)
         except ValueError as error:
-            self.refuse(target, key, error)
+            if b"\0" not in data:
+                self.refuse(target, key, error)
+            raw, value = data, f"0x{data.hex()}"  # what a C program has in memory, and no text
         names = target.property_names
         if key not in names and len(names) >= MOST_PROPERTIES:
             raise Refused
         names.add(key)
-        self.told[values["name"], key] = (self.context.time, json.dumps(value).encode())
-        properties = target.record.properties
-        self.later(target, f"property {key}", lambda: properties.__setitem__(key, value))
+        self.told[values["name"], key] = (self.context.time, raw or json.dumps(value).encode())
+        self.later(target, f"property {key}", lambda: remember(target, key, value, raw))
 
     def refuse(self, target: Robot, key: str, error: ValueError) -> NoReturn:
         """Say why a value is not taken: a NACK tells its client no more than that it is not."""
@@ -178,6 +216,12 @@ class Simulation:
         """Give a robot's body another colour: cameras see it from the next tick on."""
         self.context.scenery.set_color(target, color)
         target.record.properties["color"] = f"#{color:06x}"
+
+
+def remember(target: Robot, key: str, value: Any, raw: bytes) -> None:
+    """Put down a property of a robot; `raw`: what its clients read of one that is no JSON."""
+    target.record.properties[key] = value
+    target.raw_properties[key] = raw
 
 
 def parse_json(data: bytes) -> Any:

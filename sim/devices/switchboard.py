@@ -81,6 +81,11 @@ class Switchboard:
         self.changed = True
         return device
 
+    def addresses(self, connection: Connection, robot: Robot) -> list[DeviceAddr]:
+        """What a connection has subscribed of a robot's devices."""
+        had = self.connections.get(connection, {})
+        return [addr for device, addr in had.items() if device.robot is robot]
+
     def forget(self, connection: Connection) -> None:
         """A connection is gone: its subscriptions end, and so does a pause that it has asked for.
 
@@ -103,7 +108,8 @@ class Switchboard:
             device.command(event.name, event.message)
         finally:
             context.client = None
-        self.tell_complaints(connection)
+        if context.complaints:
+            self.tell_complaints(connection)
         if context.paused != paused:
             self.paused_by = connection if context.paused else None
         return device
@@ -163,3 +169,11 @@ class Switchboard:
             session.publish_round(data, time)
             connection.flush()
         return failed
+
+    def show_again(self, connection: Connection, time: float) -> None:
+        """Hand one client this tick's data once more; raises what a device of its raises."""
+        session = connection.session
+        for device, addr in self.connections.get(connection, {}).items():
+            for subtype, payload in device.publish():
+                session.publish(addr, subtype, payload, time)
+        session.end_of_round()

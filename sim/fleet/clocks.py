@@ -3,34 +3,42 @@
 from __future__ import annotations
 
 from time import monotonic
+from typing import Literal
 
 from player.server import Connection
 from sim.fleet.driver import Driver
+from sim.fleet.sleeping import Sleeping
+
+ClockMode = Literal["all", "any", "free"]
 
 
 class Clocks:
     """The robots' clocks, and those of them that the world waits for.
 
-    `any_clock`: one that asks for data is enough for the world to move on, once all have come.
+    `mode`: with `all` the world waits for every clock; with `any`, one that asks for data is enough
+    for it to move on, once all have come; with `free` nobody waits for clients from outside.
     """
 
-    def __init__(self, any_clock: bool) -> None:
-        self.any_clock = any_clock
+    def __init__(self, mode: ClockMode = "all") -> None:
+        self.mode = mode
         self.behind: dict[int, Driver] = {}  # robots whose controllers are waited for
         self.clocked: dict[int, Driver] = {}  # robots that have a clock
         self.unasked: dict[int, Driver] = {}  # robots whose controllers have not asked yet
         self.driven: dict[Connection, dict[int, Driver]] = {}  # by controllers' connections
+        self.sleeping: Sleeping | None = None  # looks for clients that sleep, where that matters
 
     def enter(self, driver: Driver) -> None:
         """A robot has entered: its controller is waited for until its first request."""
+        driver.free = self.mode == "free" and not driver.launched
         self.unasked[driver.robot] = driver
-        self.wait_for(driver)
+        if not driver.free:
+            self.wait_for(driver)
 
     def ready(self) -> bool:
         """Whether nobody is waited for any more."""
         if not self.behind:
             return True
-        if not self.any_clock or any(d.starting or d.ending for d in self.behind.values()):
+        if self.mode != "any" or any(d.starting or d.ending for d in self.behind.values()):
             return False
         return any(driver.asking for driver in self.clocked.values())
 
@@ -58,6 +66,8 @@ class Clocks:
         """A connection waits for data."""
         for driver in self.driven.get(connection, {}).values():
             if connection in driver.readers:
+                if self.sleeping is not None:
+                    self.sleeping.asked(driver)
                 self.has_asked(driver)
 
     def join(self, connection: Connection, driver: Driver, drives: bool) -> None:
@@ -71,10 +81,8 @@ class Clocks:
         self.choose(driver)
 
     def undrive(self, connection: Connection, driver: Driver) -> None:
-        """A connection has unsubscribed the robot's drive: a program's is one of its own still."""
-        if not driver.launched:
-            self.leave(connection, driver)
-        elif connection in driver.driving:
+        """A connection has unsubscribed the robot's drive: it is still the controller's."""
+        if connection in driver.driving:
             driver.driving.discard(connection)
             self.choose(driver)
 
@@ -115,4 +123,5 @@ class Clocks:
         driver.ending = False
         for connection in list(driver.clocks):
             self.leave(connection, driver)
+        driver.came.clear()
         self.has_asked(driver)

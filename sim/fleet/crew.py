@@ -141,7 +141,7 @@ class Crew:
             if self.context.paused and self.patience.limit_of_pause(self.router.paused_at) <= now:
                 self.end_pause(now - self.router.paused_at)
             return
-        if not self.hinted and not self.clocks.any_clock:
+        if not self.hinted and self.clocks.mode == "all":
             line = hint(behind, self.clocks.clocked.values(), now)
             if line is not None:
                 self.hinted = True
@@ -159,7 +159,8 @@ class Crew:
         why = lacking(driver)
         error = f"kept the others waiting for {waited:.0f} s: {why}"
         if driver.kind == "external" and not driver.clocks:
-            error = f"no client that drives it has come within {waited:.0f} s"
+            error = f"no client that asks for data has come within {waited:.0f} s"
+            error += f" ({driver.record.error})" if driver.record.error else ""
             self.say(f"{name}: {error}; it stands still")
         else:
             self.say(f"{name}: hung: nothing for {waited:.0f} s ({why}), its robot stops")

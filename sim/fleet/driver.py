@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from player.codes import DataMode
+from player.codes import DataMode, DeviceAddr
 from player.server import Connection
 from sim.result import RobotRecord
 
@@ -27,7 +28,7 @@ class Driver:
     connection: Connection | None = None  # the inherited one
     clocks: list[Connection] = field(default_factory=list)
     """The controller's connections, earliest first: those of the processes that were started for
-    the robot, whatever they subscribe; of outsiders, those that have subscribed its position2d."""
+    the robot, whatever they subscribe; of outsiders, see `sim.fleet.outsiders`."""
     driving: set[Connection] = field(default_factory=set)
     """Those of them that have subscribed its position2d."""
     readers: list[Connection] = field(default_factory=list)
@@ -36,6 +37,10 @@ class Driver:
     """The process that a connection over TCP comes from, as far as asked; 0: not the robot's."""
     lost: str | None = None
     """Why its connection has been closed, though its process goes on."""
+    came: dict[Connection, float] = field(default_factory=dict)
+    """Outsiders that read something of the robot, and from which simulated time on; those of its
+    last controller are forgotten when that has ended."""
+    free: bool = False  # an outsider for whom nobody waits, whatever its mode
     commander: Connection | None = None
     """Who gave the last command, controller or not: when it goes away, the robot stops."""
 
@@ -73,18 +78,23 @@ class Driver:
             connection.session.subscribed for connection in self.clocks if connection.is_open
         )
 
+    def note_devices(self, addresses: Iterable[DeviceAddr]) -> None:
+        """Put down, for the result, which devices the controller has subscribed."""
+        had = self.record.devices
+        had += [name for name in map(str, addresses) if name not in had]
+
     def choose_readers(self) -> None:
         """To be called whenever `clocks`, or the mode of one of them, has changed.
 
-        An outsider is waited for at the earliest of its connections that is in pull mode. A
-        program is waited for until it waits itself, at whichever connection: a process that reads
-        several in turn cannot ask at the others meanwhile. Where some of its processes drive, the
-        others look on.
+        An outsider is waited for at the earliest of its connections that is in pull mode, unless it
+        is free. A program is waited for until it waits itself, at whichever connection: a process
+        that reads several in turn cannot ask at the others meanwhile. Where some of its processes
+        drive, the others look on.
         """
         open_ones = [connection for connection in self.clocks if connection.is_open]
         pulling = [one for one in open_ones if one.session.mode is DataMode.PULL]
         if not self.launched:
-            self.readers = pulling[:1]
+            self.readers = [] if self.free else pulling[:1]
             return
         drivers = {self.origins.get(one) for one in open_ones if one in self.driving}
         self.readers = [one for one in pulling if not drivers or self.origins.get(one) in drivers]

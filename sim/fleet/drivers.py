@@ -36,6 +36,7 @@ class Drivers:
         self.clocks = clocks
         self.stop = stop
         self.fail_fast = fail_fast
+        self.ends = 0  # how often a controller has ended
         self.failed = False  # and nobody is to be waited for any more
 
     @property
@@ -49,14 +50,12 @@ class Drivers:
             self.clocks.enter(robot.driver)
 
     def is_own(self, driver: Driver, connection: Connection) -> bool:
-        """Whether a connection is the robot's controller's, and not of somebody who looks on."""
+        """Whether a connection is that of a process of ours, and not of somebody who looks on."""
         if driver.kind == "program":
             return driver.running and connection is driver.connection
-        if driver.kind == "command":
-            if connection not in driver.origins:
-                driver.origins[connection] = origin(connection, driver.environment)
-            return driver.running and driver.origins[connection] != 0
-        return driver.kind == "external"
+        if connection not in driver.origins:
+            driver.origins[connection] = origin(connection, driver.environment)
+        return driver.running and driver.origins[connection] != 0
 
     def release(self, connection: Connection, driver: Driver) -> None:
         """A connection does not drive a robot any more."""
@@ -68,6 +67,7 @@ class Drivers:
         self, driver: Driver, state: ControllerState, code: int | None, error: str | None
     ) -> None:
         """A controller's run is over; its robot stops, for good unless a client may come back."""
+        self.ends += 1
         robot = self.robots[driver.robot]
         if driver.kind == "external":
             self.stop(robot)  # while it counts as running: it is not to become a body

@@ -40,7 +40,7 @@ class Patience:
 def lacking(driver: Driver) -> str:
     """What a controller that is waited for has not done."""
     if driver.kind == "external" and not driver.clocks:
-        return "no client that drives it has come"
+        return "no client that asks for data has come"
     if driver.kind != "program":
         return "it has not asked for data" + " again" * driver.asked
     session = None if driver.connection is None else driver.connection.session

@@ -25,23 +25,31 @@ from player.events import (
 )
 from player.server import Connected, Connection, Disconnected, ServerEvent
 from sim.devices.switchboard import Switchboard
-from sim.fleet.driver import Driver
 from sim.fleet.drivers import Drivers
+from sim.fleet.outsiders import Outsiders
 
 MOVING = frozenset((int(Interface.POSITION2D), int(Interface.DIO)))
 """Interfaces whose commands go on to have an effect after their client has gone."""
 
 
 class Router:
-    """Takes what a server has heard. `say(line)` is given what is meant for people."""
+    """Takes what a server has heard. `say(line)` is given what is meant for people, and
+    `show_again(connection)` hands a client the present readings while the world stands.
+    """
 
     def __init__(
-        self, switchboard: Switchboard, drivers: Drivers, say: Callable[[str], None]
+        self,
+        switchboard: Switchboard,
+        drivers: Drivers,
+        say: Callable[[str], None],
+        show_again: Callable[[Connection], None],
     ) -> None:
         self.switchboard = switchboard
         self.drivers = drivers
         self.clocks = drivers.clocks
         self.say = say
+        self.show_again = show_again
+        self.outsiders = Outsiders(switchboard, drivers, say)
         self.expelled: set[Connection] = set()  # nothing more is taken from them
         self.paused_at = 0.0  # wall-clock time
 
@@ -58,10 +66,13 @@ class Router:
     def route(self, connection: Connection, event: ServerEvent) -> None:
         """Obey or answer one message, or take note of where a connection has come to."""
         match event:
-            case DataRequested(served=False):
-                self.clocks.asked(connection)
-                if self.clocks.unasked:
+            case DataRequested():
+                if connection is self.switchboard.paused_by:
+                    self.answer_pauser(connection)
+                if self.outsiders.expected:
                     self.first_reading(connection)
+                if not event.served and connection.session.waiting:
+                    self.clocks.asked(connection)
             case Command():
                 self.command(connection, event)
             case Request():
@@ -73,10 +84,11 @@ class Router:
             case ModeChanged():
                 for driver in self.clocks.driven.get(connection, {}).values():
                     self.clocks.choose(driver)
+                self.outsiders.turned(connection)
             case Disconnected():
                 self.disconnected(connection, event.reason)
-            case DataRequested() | Connected() | Ignored() | Malformed():
-                pass  # it has its data already; it has said nothing yet, or nothing to us
+            case Connected() | Ignored() | Malformed():
+                pass  # it has said nothing yet, or nothing to us
             case never:
                 assert_never(never)
 
@@ -108,47 +120,56 @@ class Router:
         device = self.switchboard.command(connection, event)
         if self.switchboard.paused_by is not paused_by:
             self.paused_at = monotonic()
+            if self.switchboard.paused_by is connection:
+                self.answer_pauser(connection)
         if event.addr.interf in MOVING:
             device.robot.driver.commander = connection
 
+    def answer_pauser(self, connection: Connection) -> None:
+        """Who has stopped the clock is no wait for: it has the present reading, if it asks.
+
+        It could not end the pause else. The world waits for it again when it goes on.
+        """
+        if not connection.session.waiting:
+            return
+        self.show_again(connection)
+        for driver in self.clocks.driven.get(connection, {}).values():
+            if connection in driver.readers:
+                self.clocks.wait_for(driver)
+
     def first_reading(self, connection: Connection) -> None:
-        """A program may read what is not its robot's own; an outsider that does, looks on."""
+        """It may be a controller's first; a program may read what is not its robot's own."""
+        self.outsiders.asks(connection)
         if connection in self.clocks.driven:
             return
         for robot in self.switchboard.port(connection).robots:
             driver = self.clocks.unasked.get(robot.index)
-            if driver is None or driver.clocks:
+            if driver is None or driver.clocks or not driver.launched:
                 continue
-            if driver.kind == "external" and driver.drives:
-                continue  # its client is the one that will drive it
-            if not self.drivers.is_own(driver, connection):
-                continue
-            if driver.launched:
+            if self.drivers.is_own(driver, connection):
                 self.clocks.join(connection, driver, drives=False)
-            else:
-                self.clocks.has_asked(driver)
 
     def subscribed(self, connection: Connection, event: Subscribed) -> None:
         """A connection has subscribed a device; it may be one of the robot's controller."""
         device = self.switchboard.subscribe(connection, event.addr)
         driver = device.robot.driver
         drives = event.addr.interf == Interface.POSITION2D
-        if (drives or driver.launched) and self.drivers.is_own(driver, connection):
-            if driver.kind == "external" and driver.record.state in ("lost", "hung"):
-                driver.record.state, driver.record.error = "running", None
-                self.say(f"{driver.record.name}: a client has come ({connection.peer})")
+        if driver.kind == "external":
+            self.outsiders.subscribed(connection, device.robot, drives)
+        elif driver.launched and self.drivers.is_own(driver, connection):
             self.clocks.join(connection, driver, drives)
-        if connection in driver.clocks or not (driver.drives or driver.launched):
-            devices = self.switchboard.port(connection).devices
-            own = [a for a in connection.session.subscribed if devices[a].robot is device.robot]
-            note_devices(driver, map(str, own))
+        if connection in driver.clocks:
+            driver.note_devices(self.switchboard.addresses(connection, device.robot))
 
     def unsubscribed(self, connection: Connection, event: Unsubscribed) -> None:
-        """A connection has done with a device; if that was the drive, with the robot too."""
+        """A connection has done with a device; an outsider perhaps with the robot too."""
         device = self.switchboard.unsubscribe(connection, event.addr)
+        driver = device.robot.driver
         if event.addr.interf == Interface.POSITION2D:
-            self.clocks.undrive(connection, device.robot.driver)
-            self.drivers.release(connection, device.robot.driver)
+            self.clocks.undrive(connection, driver)
+            self.drivers.release(connection, driver)
+        if driver.kind == "external":
+            self.outsiders.unsubscribed(connection, device.robot)
 
     def disconnected(self, connection: Connection, reason: str) -> None:
         """A connection is gone, and with it the commands that it has given."""
@@ -158,6 +179,10 @@ class Router:
         self.switchboard.forget(connection)
         for robot in self.switchboard.port(connection).robots:
             driver = robot.driver
+            if driver.kind == "external":
+                self.drivers.release(connection, driver)
+                self.outsiders.disconnected(connection, robot, reason)
+                continue
             driver.origins.pop(connection, None)
             left = driver in drove or connection is driver.connection
             alone = all(other is connection for other in driver.clocks)
@@ -169,11 +194,3 @@ class Router:
                 # which comes first, the end of the connection or that of the process, must not
                 # depend on the machine's load: the world stands until both are known
                 self.clocks.wait_for(driver)
-        for driver in drove:
-            if driver.kind == "external" and driver.running and not driver.clocks:
-                self.drivers.end(driver, "lost", None, f"{connection.peer}: {reason}")
-
-
-def note_devices(driver: Driver, names: Iterable[str]) -> None:
-    """Put down, for the result, which devices a controller has subscribed."""
-    driver.record.devices += [name for name in names if name not in driver.record.devices]

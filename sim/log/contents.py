@@ -21,6 +21,8 @@ COMMAND = np.dtype(
      ("motors", bool), *((name, float) for name in commands.NUMBERS)]
 )  # fmt: skip
 """One command as carried out: see Commands.msg."""
+PAINTED = np.dtype([(name, np.int64) for name in ("tick", "robot", "row", "column")])
+"""A cell of the floor that a robot has painted; row 0 lies at y = 0, column 0 at x = 0."""
 Span = tuple[int | None, int | None]
 """From and until when, ns of simulated time; None: from the start, to the end."""
 ALL: Span = (None, None)
@@ -138,6 +140,17 @@ def sent(reader: LogReader, span: Span = ALL) -> NDArray[Any]:
 def floor(reader: LogReader, until: int | None = None) -> NDArray[np.int16] | None:
     """(rows, columns) who painted each cell last, 1 + robot, before `until` (ns); None: nobody."""
     return rebuilt(one for _, one in reader.messages("/troupe/paint", None, until))
+
+
+def painted(reader: LogReader, span: Span = ALL) -> NDArray[Any]:
+    """(k,) of dtype PAINTED: which cells were painted by whom, where that changed."""
+    parts = [np.zeros(0, PAINTED)]
+    for _, one in reader.messages("/troupe/paint", *span):
+        rows = np.zeros(len(one["cells"]), PAINTED)
+        rows["tick"], rows["robot"] = one["tick"], one["owners"].astype(np.int64) - 1
+        rows["row"], rows["column"] = np.divmod(one["cells"].astype(np.int64), one["columns"])
+        parts.append(rows)
+    return np.concatenate(parts)
 
 
 def scan_arrays(

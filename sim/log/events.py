@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from sim.robot import Robot
 
 LEVELS = {"info": 20}
-LOOK = 16
-"""Ticks after which one looks for news even where no client is connected."""
 
 
 class News:
@@ -45,20 +44,25 @@ class News:
         self._colors: list[int] = []
         self._drawn: dict[int, list[Any]] = {}
         self._flags: Any = self
+        self._known = (-1, -1)  # changes and ends that there had been when one last looked
 
     def line(self, text: str) -> None:
         """Keep a line that was meant for people, of whatever thread."""
         self._lines.append((self.time, text))
 
     def since(self, engine: Engine, *, last: bool = False) -> list[Event]:
-        """Events of all that is new; at the `last` look also what seldom is."""
+        """Events of all that is new; the `last` look is after the run."""
         self.time = engine.time
         events: list[Event] = []
         if len(engine.robots) != len(self.records):
             events += self.entered(engine)
-        self.changed(engine, events)
+        self.told(engine, events)
         if last:
-            self.reported(engine, events)
+            self.reported(engine, events, engine.ticks + 1)
+            if engine.ticks:
+                events.append(last_event(engine))
+        else:
+            self.changed(engine, events)
         return events
 
     def entered(self, engine: Engine) -> list[Event]:
@@ -92,23 +96,28 @@ class News:
             events.append(body_event(self.time, bodies))
         return events
 
-    def changed(self, engine: Engine, events: list[Event]) -> None:
-        """Events of what is new besides the bodies' motion."""
+    def told(self, engine: Engine, events: list[Event]) -> None:
+        """Events of lines for people, and of colours."""
         if self._lines:
             lines, self._lines = self._lines, []
             events += [self.line_event(*line) for line in lines]
         colors = [robot.color for robot in engine.robots]
         if colors != self._colors:
             self.recolored(colors, events)
+
+    def changed(self, engine: Engine, events: list[Event]) -> None:
+        """Events of what else is new besides the bodies' motion."""
         if engine.scenery.stage.hands:
             events.append(hands_event(engine))
         if engine.sensing.flags is not self._flags:
             self._flags = engine.sensing.flags
             events.append(sensed_event(engine))
-        if engine.server.connections or engine.functions.robots or engine.ticks % LOOK == 0:
-            self.reported(engine, events)
+        known = engine.context.changes, engine.drivers.ends
+        if known != self._known:
+            self._known = known
+            self.reported(engine, events, engine.ticks)
 
-    def reported(self, engine: Engine, events: list[Event]) -> None:
+    def reported(self, engine: Engine, events: list[Event], tick: int) -> None:
         """Events of what clients bring about: what is said, reported and drawn; their ends."""
         time = self.time
         said = sum(map(len, self._said))
@@ -120,8 +129,8 @@ class News:
             events += self.reports(time)
         states = [record.state for record in self.records]
         if states != self._states:
-            events += self.controllers(states, time)
-        events += self.drawings(engine.robots, engine.ticks)
+            events += self.controllers(states, tick)
+        events += self.drawings(engine.robots, tick)
 
     def line_event(self, time: float, text: str) -> Event:
         name = "troupe"
@@ -156,13 +165,14 @@ class News:
             self._properties[robot] = dict(record.properties)
         return events
 
-    def controllers(self, states: list[Any], time: float) -> list[Event]:
+    def controllers(self, states: list[Any], tick: int) -> list[Event]:
         events = []
         for robot, (now, before) in enumerate(zip(states, self._states, strict=True)):
             if now == before:
                 continue
             record = self.records[robot]
             values = {
+                "tick": tick,
                 "robot": robot,
                 "name": record.name,
                 "state": now,
@@ -170,7 +180,7 @@ class News:
                 "exit_code": record.exit_code,
                 "error": record.error,
             }
-            events.append(Event(time, "/troupe/controllers", "troupe_msgs/Controller", values))
+            events.append(Event(self.time, "/troupe/controllers", "troupe_msgs/Controller", values))
         self._states = states
         return events
 
@@ -229,6 +239,22 @@ def hands_event(engine: Engine) -> Event:
         "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
+
+
+def last_event(engine: Engine) -> Event:
+    """How all stood when the run was over: clients may have moved and coloured robots since."""
+    stage, floor = engine.scenery.stage, engine.scenery.floor
+    values = {
+        "tick": engine.ticks,
+        "coverage": floor.coverage if floor.painted_area > 0.0 else math.nan,
+        "colors": [robot.color for robot in engine.robots],
+        "contacts": stage.contact_counts,
+        "stalls": stage.stalls,
+        "velocities": stage.velocities.reshape(-1),
+        "poses": stage.poses.reshape(-1),
+        "movable_poses": stage.movable_poses.reshape(-1),
+    }
+    return Event(engine.time, "/troupe/last", "troupe_msgs/State", values)
 
 
 def sensed_event(engine: Engine) -> Event:

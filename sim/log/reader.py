@@ -158,6 +158,23 @@ class LogReader:
 
     # --- what is beside the messages
 
+    def whole(self, name: str) -> int:
+        """A number that the log tells of its run, such as its seed."""
+        try:
+            return int(self.about[name])
+        except (KeyError, ValueError):
+            raise self.damaged(f"its {name} cannot be read") from None
+
+    def number(self, name: str) -> float:
+        """Likewise a number that need not be whole; above 0."""
+        try:
+            found = float(self.about[name])
+        except (KeyError, ValueError):
+            found = 0.0
+        if not 0.0 < found < float("inf"):
+            raise self.damaged(f"its {name} cannot be read")
+        return found
+
     def metadata(self, name: str) -> dict[str, str]:
         """The texts of a metadata record; none where there is no such record."""
         place = self._metadata.get(name)
@@ -202,16 +219,21 @@ class LogReader:
         """A topic's messages with start <= log time < end (ns), in order, those alike together."""
         if topic not in self.topics:
             return
-        number = self.topics[topic][0]
         for chunk in self.chunks:
             if (start is not None and chunk.end < start) or (
                 end is not None and chunk.start >= end
             ):
                 continue
-            try:
-                yield from self._runs(chunk, number, start, end)
-            except DAMAGES as error:
-                raise self.damaged(error) from None
+            yield from self.runs_of(chunk, topic, start, end)
+
+    def runs_of(
+        self, chunk: ChunkPlace, topic: str, start: int | None = None, end: int | None = None
+    ) -> Iterator[Run]:
+        """The same of one chunk."""
+        try:
+            yield from self._runs(chunk, self.topics[topic][0], start, end)
+        except DAMAGES as error:
+            raise self.damaged(error) from None
 
     def messages(
         self, topic: str, start: int | None = None, end: int | None = None

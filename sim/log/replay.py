@@ -58,7 +58,7 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
     if not entries:
         raise LogError(f"{reader.path}: no robot has entered in it: there is nothing to run again")
     begun = np.array([entry.pose for entry in entering[0]]).reshape(-1, 3)
-    start = loaded.place(int(reader.about["seed"]))
+    start = loaded.place(reader.whole("seed"))
     wrong = first_difference(begun, as_told(start))
     if wrong is not None:
         robot, difference = wrong

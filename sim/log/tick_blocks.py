@@ -26,6 +26,7 @@ SPEEDS = 2.0**20
 TRANSFORMS = 64
 """Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""
 MOST_LAYOUTS = 64
+NEVER = (1 << 64) - 1
 TWIST = "geometry_msgs/Twist"
 STATE, COMMANDS, CONTACTS, PAINT = (
     f"troupe_msgs/{name}" for name in ("State", "Commands", "Contacts", "Paint")
@@ -49,6 +50,7 @@ class TickBlocks:
         self.counted = np.zeros(0, np.int64)
         self.odometry: Memo = {}
         self.sequence = 0
+        self.second = NEVER  # the last one that /clock has told
 
     def blocks(self, ticks: Sequence[TickState]) -> list[Block]:
         """Blocks of ticks with the same robots, in their order."""
@@ -60,15 +62,8 @@ class TickBlocks:
         nanoseconds = np.rint(times * 1e9).astype(np.uint64)
         seconds, rest = nanoseconds // 10**9, nanoseconds % 10**9
         poses = joined([state.poses for state in ticks], float).reshape(len(ticks), n, 3)
-        found = [
-            block(
-                self.clock.filled(len(ticks), {"clock.sec": seconds, "clock.nanosec": rest}),
-                self.channels.channel("/clock", "rosgraph_msgs/Clock"),
-                numbers,
-                nanoseconds,
-            )
-        ]
         when = numbers, nanoseconds, seconds, rest
+        found = self.clock_blocks(*when)
         found += self.transform_blocks(poses, *when)
         found.append(self.state_block(ticks, poses, *when))
         found += self.change_blocks(ticks)
@@ -76,6 +71,24 @@ class TickBlocks:
             found += odometry_blocks(self.channels, self.odometry, self.names, ticks, when)
         found += reading_blocks(self.channels, ticks)
         return found
+
+    def clock_blocks(
+        self,
+        numbers: NDArray[np.uint32],
+        nanoseconds: NDArray[np.uint64],
+        seconds: NDArray[np.uint64],
+        rest: NDArray[np.uint64],
+    ) -> list[Block]:
+        """/clock: the first tick of every second."""
+        told = np.flatnonzero(np.diff(seconds, prepend=np.uint64(self.second)) != 0)
+        self.second = int(seconds[-1])
+        if not len(told):
+            return []
+        bodies = self.clock.filled(
+            len(told), {"clock.sec": seconds[told], "clock.nanosec": rest[told]}
+        )
+        channel = self.channels.channel("/clock", "rosgraph_msgs/Clock")
+        return [block(bodies, channel, numbers[told], nanoseconds[told])]
 
     def transform_blocks(
         self,

@@ -39,7 +39,7 @@ def attachments(loaded: LoadedWorld) -> Iterator[tuple[str, str, bytes]]:
         kept(data["map"], "file")
     for model in (data.get("models") or {}).values():
         for sensor in (model.get("sensors") or []) if isinstance(model, dict) else []:
-            if isinstance(sensor, dict) and str(sensor.get("type", "")).endswith(".py"):
+            if is_own(sensor):
                 kept(sensor, "type")
     yield WORLD, YAML, json.dumps(data, ensure_ascii=False, indent=1).encode()
     for name, path in files.items():
@@ -58,23 +58,48 @@ def unpacked(value: Any) -> Any:
     return value
 
 
-def loaded_again(files: Mapping[str, bytes], log: Path) -> LoadedWorld:
-    """The world of a log's attachments; without its programs, which a log does not keep.
+STAND_IN = {"type": "bumper"}
+"""In place of sensors of one's own: nobody's code is run because one looks into a log."""
+
+
+def own_sensors(files: Mapping[str, bytes]) -> dict[str, set[int]]:
+    """Which sensors of which models are of somebody's own making."""
+    data = json.loads(files[WORLD])
+    found = {
+        name: {
+            number
+            for number, sensor in enumerate((model or {}).get("sensors") or [])
+            if is_own(sensor)
+        }
+        for name, model in (data.get("models") or {}).items()
+    }
+    return {name: numbers for name, numbers in found.items() if numbers}
+
+
+def is_own(sensor: Any) -> bool:
+    """Whether a sensor of a world file is a Python file."""
+    return isinstance(sensor, dict) and str(sensor.get("type", "")).endswith(".py")
+
+
+def loaded_again(files: Mapping[str, bytes], log: Path, title: str | None = None) -> LoadedWorld:
+    """The world of a log's attachments, without its programs and with bumpers for sensors of one's
+    own; `title`: what it is called if it has no name.
 
     Raises LogError where it does not hold with this version of Troupe.
     """
     if WORLD not in files:
         raise LogError(f"{log}: there is no world in it")
-    data = json.loads(files[WORLD])
-    data["controllers"] = {}
-    for part in ("robots", "doors"):
-        for entry in data.get(part) or []:
-            entry["controller"] = None
-    data.pop("log", None)
+    try:
+        data = json.loads(files[WORLD])
+        stripped(data)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise LogError(f"{log}: its world cannot be read: {error}") from None
+    if not data.get("name") and title:
+        data["name"] = title
     with TemporaryDirectory(prefix="troupe-log-") as name:
         folder = Path(name)
         for file, content in files.items():
-            if file != WORLD and file == Path(file).name:
+            if file not in (WORLD, "", ".", "..") and file == Path(file).name:
                 (folder / file).write_bytes(content)
         path = folder / WORLD
         path.write_text(json.dumps(data, ensure_ascii=False), encoding="utf-8")
@@ -84,3 +109,15 @@ def loaded_again(files: Mapping[str, bytes], log: Path) -> LoadedWorld:
             raise LogError(
                 f"{log}: its world does not hold with this version of Troupe:\n{error}"
             ) from None
+
+
+def stripped(data: Any) -> None:
+    """Take out of a world all that would run code, and its own log."""
+    data["controllers"] = {}
+    for part in ("robots", "doors"):
+        for entry in data.get(part) or []:
+            entry["controller"] = None
+    for model in (data.get("models") or {}).values():
+        sensors = (model or {}).get("sensors") or []
+        sensors[:] = [STAND_IN if is_own(sensor) else sensor for sensor in sensors]
+    data.pop("log", None)

@@ -15,7 +15,7 @@ from sim.video.projection import check_size, default_size, project
 from sim.video.scans import RING, RING_WIDTH
 from sim.video.snapshot import MOST_SCANS, Backdrop, Scan, Shape, Sighting, Snapshot
 from sim.video.text import Lettering, printable
-from sim.video.trails import Trails
+from sim.video.trails import Trails, Ways
 
 FILLED, LINED = 8, 20
 """Robots up to which their fans are filled, and up to which their edges show."""
@@ -58,7 +58,7 @@ class Composer:
         self.projection = project(backdrop.size, outlines, self.size, low=backdrop.low, axes=axes)
         self.lettering = Lettering(self.projection.unit)
         self.bodies = Bodies(self.projection)
-        self.trails = Trails(self.projection)
+        self.trails: Trails | Ways = Trails(self.projection)
         self._movables = Bodies(self.projection)
         self._names: list[str] = []
         self._show = show

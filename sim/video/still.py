@@ -39,7 +39,8 @@ class Still:
         self.path = Path(path)
         self.picture = Picture(backdrop, size, show=show, axes=True)
         self._marks = 0
-        self._taken = False
+        self.taken = False
+        """Whether there is nothing more to be done."""
         self.error: str | None = None
         """Why there is no picture, None while all is well."""
         self.time: float | None = None
@@ -52,17 +53,17 @@ class Still:
     def wants(self, time: float) -> bool:
         """Whether a snapshot of this simulated time (s) is of use."""
         due = time >= self._at - 1e-9 or time >= self._marks * PACE - 1e-9
-        return due and not self._taken
+        return due and not self.taken
 
     def take(self, snapshot: Snapshot, *, last: bool = False) -> None:
         """Keeps where the robots are, and takes the picture if the moment has come, or the last."""
-        if self._taken:
+        if self.taken:
             return
         if snapshot.time < self._at - 1e-9 and not last:
             self._marks = math.floor(snapshot.time / PACE + 1e-6) + 1
             self.picture.composer.mark(snapshot.time, snapshot.poses)
             return
-        self._taken = True
+        self.taken = True
         try:
             save_picture(self.path, self.picture, snapshot)
             self.time = snapshot.time

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -13,6 +13,8 @@ from sim.video.projection import SHIFT, Projection
 
 LENGTH = 60
 """Frames that a trail lasts."""
+SMOOTHING = 8
+"""Sixteenths of a pixel by which a whole way may be off: straight stretches become a line."""
 CROWD = 100
 """With more robots than this, trails last CROWD_LENGTH frames and are not smoothed."""
 CROWD_LENGTH = 15
@@ -69,7 +71,35 @@ class Trails:
         return len(self._entered) > CROWD
 
 
-def draw_trails(image: NDArray[np.uint8], trails: Trails, line: int = 1) -> None:
+class Ways:
+    """In place of trails: the whole ways of all robots, each (k, 2) in m."""
+
+    crowded = False
+
+    def __init__(self, projection: Projection, ways: Sequence[NDArray[np.float64]]) -> None:
+        self._lines = [
+            cv2.approxPolyDP(projection.fixed(way), SMOOTHING, False).reshape(-1, 2)
+            for way in ways
+            if len(way) > 1
+        ]
+        self._robots = [robot for robot, way in enumerate(ways) if len(way) > 1]
+
+    def mark(self, poses: NDArray[np.float64]) -> None:
+        """They are known already."""
+
+    def lines(self) -> Iterator[tuple[int, list[NDArray[np.int32]]]]:
+        """The ways in batches of one colour (0xRRGGBB): fixed-point pixels (k, 2)."""
+        for index, color in enumerate(TINTS):
+            lines = [
+                way
+                for robot, way in zip(self._robots, self._lines, strict=True)
+                if robot % len(TINTS) == index
+            ]
+            if lines:
+                yield mix(color, 0x000000, 0.15), lines
+
+
+def draw_trails(image: NDArray[np.uint8], trails: Trails | Ways, line: int = 1) -> None:
     """Draws the trails, `line` pixels wide."""
     smooth = cv2.LINE_8 if trails.crowded else cv2.LINE_AA
     for color, lines in trails.lines():

@@ -26,6 +26,8 @@ of four. What a section has not changed since the last message to the same viewe
     15  drawn      JSON: [{robot, kind, points, color, fill}, ...] all that is drawn now
     16  status     JSON: of the whole run
     17  cards      JSON: {robot: what is known of it, ...}
+    18  ways       u32 marks, n; f32 x, y, yaw (marks * n): time has jumped, and this led there; NaN
+                   where a robot had not entered
 
 The page's side is troupe/live/page/frames.js.
 """
@@ -51,7 +53,7 @@ SECTION = struct.Struct("<II")
 
 ABOUT, SOLIDS, POSES, COLORS, STATES, THINGS = 1, 2, 3, 4, 5, 6
 FANS, CONES, SIGHTS, MARKS, SWITCHES = 7, 8, 9, 10, 11
-PAINT, ROBOTS, SAID, DRAWN, STATUS, CARDS = 12, 13, 14, 15, 16, 17
+PAINT, ROBOTS, SAID, DRAWN, STATUS, CARDS, WAYS = 12, 13, 14, 15, 16, 17, 18
 
 
 @dataclass
@@ -65,6 +67,7 @@ class Told:
     said: dict[int, tuple[float, str]] = field(default_factory=dict)
     drawn: bytes = b"[]"
     status: bytes = b""
+    jumps: int = 0
 
 
 def encode_scene(scene: Scene) -> bytes:
@@ -106,9 +109,12 @@ def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> by
         sections.append((PAINT, paint_runs(told.paint, moment.paint)))
         told.paint = moment.paint
     said = [line for line in moment.said if told.said.get(line[0]) != line[1:]]
+    if len(moment.said) < len(told.said):  # time has gone back: it was not said yet
+        saying = {line[0] for line in moment.said}
+        said += [(robot, 0.0, "") for robot in told.said if robot not in saying]
     if said:
         sections.append((SAID, _json(said)))
-        told.said.update((robot, (time, words)) for robot, time, words in said)
+        told.said = {robot: (time, words) for robot, time, words in moment.said}
     drawn = _json(moment.drawn)
     if drawn != told.drawn:
         sections.append((DRAWN, drawn))
@@ -117,6 +123,10 @@ def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> by
     if status != told.status:
         sections.append((STATUS, status))
         told.status = status
+    if moment.ways is not None and moment.jumps != told.jumps:
+        told.jumps = moment.jumps
+        head = struct.pack("<II", *moment.ways.shape[:2])
+        sections.append((WAYS, head + np.asarray(moment.ways, "<f4").tobytes()))
     wanted = {robot: moment.cards[robot] for robot in cards if robot in moment.cards}
     if wanted:
         sections.append((CARDS, _json(wanted)))

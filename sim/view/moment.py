@@ -118,3 +118,7 @@ class Moment:
     """Of the whole run: paused, pace, waiting, coverage, outcome ..."""
     cards: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     """What is known of the robots that somebody has selected."""
+    jumps: int = 0
+    """How often time has jumped, in a log that is played."""
+    ways: Floats | None = None
+    """(k, n, 3) where robots had been on the way to where time jumped to; NaN: not there yet."""

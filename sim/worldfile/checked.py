@@ -22,6 +22,7 @@ from sim.worldfile.robots import RobotSpec, expanded, name_mistakes, number_mist
 from sim.worldfile.schema import World
 from sim.worldfile.sensing import with_settings
 from sim.worldfile.settings import BadSetting, with_setting
+from sim.worldfile.things import thing_name_mistakes
 from sim.worldfile.valid_part import ValidPart, valid_part
 
 
@@ -129,6 +130,8 @@ def _checked(
         return found, None, (), mistakes + crowd
     robots = tuple(expanded(entries))
     mistakes += name_mistakes(robots, doors)
+    things = [(found.index(("obstacles",), i), one) for i, one in enumerate(world.obstacles)]
+    mistakes += thing_name_mistakes(things, robots, doors)
     mistakes += port_mistakes(world, len(robots))
     if not found.lost("clock"):
         late = period_mistakes(world)

@@ -96,16 +96,16 @@ def name_mistakes(specs: Iterable[RobotSpec], doors: Iterable[tuple[int, Door]])
             )
             continue
         stems[door.name] = index
-        taken = [name for name in owner if _numbered(name, door.name)]
+        taken = [name for name in owner if numbered(name, door.name)]
         taken += [
             f"{other}1"
             for other in stems
-            if other != door.name and _numbered(f"{other}1", door.name)
+            if other != door.name and numbered(f"{other}1", door.name)
         ]
         taken += [
             f"{door.name}1"
             for other in stems
-            if other != door.name and _numbered(f"{door.name}1", other)
+            if other != door.name and numbered(f"{door.name}1", other)
         ]
         if taken:
             mistakes.append(
@@ -119,7 +119,7 @@ def name_mistakes(specs: Iterable[RobotSpec], doors: Iterable[tuple[int, Door]])
     return mistakes
 
 
-def _numbered(name: str, stem: str) -> bool:
+def numbered(name: str, stem: str) -> bool:
     """Whether `name` is the stem and a number without leading zeros."""
     number = name.removeprefix(stem)
     return name.startswith(stem) and number.isdecimal() and not number.startswith("0")

@@ -13,8 +13,12 @@ from typing import Any
 import pytest
 import yaml
 
+from controllers.dispersal.rules import MODULES
 from sensors.compiled import MARK, state_of
+from sensors.registry import BUILT_IN
+from sim.devices.build import OTHERS
 from tests.processes import ROOT, environment, troupe_command
+from troupe.app import COMMANDS
 from troupe.warm import machine, sources
 
 PACKAGES = ("troupe", "gridworld", "controllers", "sim", "sensors", "player", "worlds")
@@ -22,6 +26,19 @@ TEXT = (ROOT / "CONTRIBUTING.md").read_text()
 FILES = dict(re.findall(r"^<!-- file: (\S+) -->\n```python\n(.*?)^```", TEXT, re.M | re.S))
 LINES = re.findall(r"^<!-- line: (\S+), in (\w+) -->\n```python\n(.*?\n)```", TEXT, re.M | re.S)
 WORLD = re.findall(r"^```yaml\n(.*?)^```", TEXT, re.M | re.S)[-1]
+
+
+def files_with(folder: str, text: str) -> set[str]:
+    """The modules of a folder in which a text stands."""
+    found = (ROOT / folder).glob("*.py")
+    return {path.stem for path in found if text in path.read_text() and path.stem != "__init__"}
+
+
+def test_no_file_lacks_its_line() -> None:
+    assert files_with("sensors", "\n@sensor(") == set(BUILT_IN)
+    assert files_with("sim/devices", "\ndef devices(") == set(OTHERS)
+    assert files_with("controllers/dispersal/rules", "\nRULES = ") == set(MODULES)
+    assert files_with("troupe/commands", "") == set(COMMANDS)
 
 
 @pytest.fixture(scope="module")

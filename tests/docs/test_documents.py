@@ -24,6 +24,7 @@ PAGES = [
     "docs/python.md",
     "docs/debugging.md",
     "docs/sweeps.md",
+    "docs/testing.md",
     "docs/paint.md",
     "docs/architecture.md",
     "docs/performance.md",
@@ -105,7 +106,7 @@ def test_a_shell_block_works(text: str) -> None:
     for made in set(ROOT.iterdir()) - before:
         if made.suffix in (".mp4", ".svg"):
             assert made.stat().st_size > (10_000 if made.suffix == ".mp4" else 1_000)
-        if made.suffix in (".mp4", ".svg", ".mcap", ".csv"):
+        if made.suffix in (".mp4", ".svg", ".mcap", ".csv", ".html"):
             made.unlink()
 
 

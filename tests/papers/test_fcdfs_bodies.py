@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -13,33 +12,16 @@ import troupe
 from gridworld.generators import random_region
 from gridworld.grid import Outcome, simulate
 from gridworld.regions import Region, load
-from sim.build import load as load_world
-from sim.engine import Engine, Settings
 from sim.result import Result
-from sim.run import run_world
 from tests.processes import ROOT
+from troupe.testing.fcdfs import faults
 
 WORLDS = ROOT / "worlds"
-CELL = 1.5
-
-
-def cells_of(result: Result, rows: int) -> list[tuple[int, int]]:
-    """(column, row) of every robot at the end, from the true poses."""
-    found = []
-    for record in result.robots:
-        x, y, _ = record.pose
-        found.append((math.floor(x / CELL), rows - 1 - math.floor(y / CELL)))
-    return found
 
 
 def agree(result: Result, region: Region, grid: Outcome) -> None:
     """The run is the grid's, robot by robot; nobody touched anything."""
-    assert result.outcome == "completed"
-    assert len(result.robots) == grid.cells
-    assert [record.contacts for record in result.robots] == [0] * grid.cells
-    assert [record.properties["travel"] for record in result.robots] == grid.moves.tolist()
-    assert [record.properties["settled_step"] for record in result.robots] == grid.settled.tolist()
-    assert cells_of(result, region.rows) == [tuple(cell) for cell in grid.cell.tolist()]
+    assert faults(result, region, grid) == []
     door = result.doors[0]
     assert door.emitted == grid.cells
     assert door.steps == grid.entered.tolist()
@@ -68,19 +50,17 @@ def test_no_more_processes_are_alive_than_there_are_active_robots() -> None:
     """A robot's process ends when it settles; besides there are the fork server and its keeper."""
     counts = []
 
-    def count(engine: Engine) -> None:
-        if engine.ticks % 10 == 0:
+    def count(simulation: troupe.Simulation) -> None:
+        if simulation.ticks % 10 == 0:
             alive = [
                 child
                 for child in psutil.Process().children(recursive=True)
                 if child.status() != psutil.STATUS_ZOMBIE
             ]
-            active = sum(robot.driver.running for robot in engine.robots)
-            counts.append((len(alive), active))
+            counts.append((len(alive), simulation.states.count("running")))
 
-    loaded = load_world(WORLDS / "fcdfs_corridor.yaml")
     before = len(psutil.Process().children(recursive=True))
-    run_world(loaded, Settings(seed=1, duration=loaded.world.duration), each_tick=count)
+    troupe.run(WORLDS / "fcdfs_corridor.yaml", each_tick=count)
     assert all(alive - before - 2 <= active for alive, active in counts)
     assert max(active for _, active in counts) > 3
 

@@ -14,9 +14,8 @@ import yaml
 
 import troupe
 from controllers.paint.constants import OVERLAP
-from sim.build import load
-from tests.papers.paint_judge import Judged, judged_run, reported_goal
 from tests.processes import ROOT, environment, troupe_command
+from troupe.testing.paint.judge import judged_run, reported_goal
 
 WORLDS = ROOT / "worlds"
 NO_PAINT = ["controllers.paint.args.paint=false"]
@@ -32,15 +31,15 @@ def test_all_reach_their_goals_in_order_and_touch_nothing(
     settings = [*NO_PAINT, f"controllers.paint.args.jitter={jitter}"]
     run = judged_run(WORLDS / f"paint_case_{case}.yaml", seed, settings)
     assert run.faults == []
-    for robot in run.result.robots:
-        assert robot.devices == [
+    for robot in run.result["robots"]:
+        assert robot["devices"] == [
             "position2d:0", "laser:0", "blobfinder:0", "speech:0", "simulation:0",
         ]  # fmt: skip
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_in_case_iii_two_robots_on_one_line_have_opposite_orientations(seed: int) -> None:
-    poses = load(WORLDS / "paint_case_3.yaml").place(seed)
+    poses = troupe.load(WORLDS / "paint_case_3.yaml").loaded.place(seed)
     assert poses[0, 1] == poses[1, 1]
     assert math.cos(poses[0, 2] - poses[1, 2]) == pytest.approx(-1.0)
 
@@ -56,44 +55,31 @@ def test_lines_and_crowds_reach_their_goals(world: str, seed: int) -> None:
     assert judged_run(WORLDS / f"paint_{world}.yaml", seed, NO_PAINT).faults == []
 
 
-def painted_outside(run: Judged) -> float:
-    """How far beyond its own strip's borders anybody painted, m, by the true starts and poses."""
-    starts = np.array([robot.start for robot in run.result.robots])
-    bottom, top = run.judge.region[:, 1].min(), run.judge.region[:, 1].max()
-    borders = np.linspace(bottom, top, len(starts) + 1)
-    borders[[0, -1]] = -np.inf, np.inf  # beyond the walls there is nothing to paint
-    worst = 0.0
-    for place, i in enumerate(np.lexsort((starts[:, 0], starts[:, 1]))):
-        low, high = run.judge.painted[int(i)]
-        worst = max(worst, borders[place] - low, high - borders[place + 1])
-    return worst
-
-
 @pytest.mark.parametrize(("world", "seed"), [("case_2", 21), ("tall", 22)])
 def test_the_whole_floor_is_painted_and_each_paints_its_own_strip(world: str, seed: int) -> None:
     run = judged_run(WORLDS / f"paint_{world}.yaml", seed)
     assert run.faults == []
-    assert run.result.floor.coverage >= 0.999
-    assert run.result.floor.passes <= 1.35
-    assert painted_outside(run) < OVERLAP + 0.01  # 0.01: what braking takes beyond a lane
-    for robot in run.result.robots:
-        told = robot.properties
+    assert run.result["floor"]["coverage"] >= 0.999
+    assert run.result["floor"]["passes"] <= 1.35
+    assert run.painted_outside < OVERLAP + 0.01  # 0.01: what braking takes beyond a lane
+    for robot in run.result["robots"]:
+        told = robot["properties"]
         assert {"rank", "strip", "goal", "goal_time", "paint_time", "done_time"} <= told.keys()
         assert told["goal_time"] <= told["paint_time"] < told["done_time"]
-        height = run.judge.region[:, 1].max() / len(run.result.robots)
+        height = run.region[:, 1].max() / len(run.result["robots"])
         assert told["strip"][1] - told["strip"][0] == pytest.approx(height, abs=1e-3)  # 4 digits
-        assert "dio:0" in robot.devices
-        assert [text for _, text in robot.said][-2:] == ["painting", "done"]
-        assert any(text.startswith("observing") for _, text in robot.said)
+        assert "dio:0" in robot["devices"]
+        assert [text for _, text in robot["said"]][-2:] == ["painting", "done"]
+        assert any(text.startswith("observing") for _, text in robot["said"])
 
 
 def test_a_convex_region_is_painted_but_for_corners_that_no_body_reaches() -> None:
     run = judged_run(WORLDS / "paint_convex.yaml", 5)
-    assert run.result.outcome == "completed", run.faults
-    assert run.judge.contacts == []
-    assert run.judge.swaps == []
-    assert run.result.floor.coverage >= 0.98  # triangles beside slanted edges stay bare
-    assert painted_outside(run) < OVERLAP + 0.01  # as in a rectangle
+    assert run.result["outcome"] == "completed", run.faults
+    assert run.contacts == []
+    assert run.swaps == []
+    assert run.result["floor"]["coverage"] >= 0.98  # triangles beside slanted edges stay bare
+    assert run.painted_outside < OVERLAP + 0.01  # as in a rectangle
 
 
 STARTS = [(3.0, 4.0, 0), (12.0, 6.5, 180), (7.0, 15.0, 180), (10.5, 11.0, 0)]
@@ -110,7 +96,7 @@ def goals_by_start(world: Path) -> dict[int, list[float]]:
             i for i, (x, y, _) in enumerate(STARTS)
             if np.allclose(np.array(robot.start[:2]) - low, (x, y))
         )  # fmt: skip
-        found[number] = (reported_goal(robot) - low).round(3).tolist()
+        found[number] = (reported_goal(robot.as_json()) - low).round(3).tolist()
     return found
 
 

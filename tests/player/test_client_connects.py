@@ -49,6 +49,15 @@ def test_a_server_that_says_nothing_times_out():
         PlayerClient(*mute.getsockname(), timeout=0.01)
 
 
+@pytest.mark.parametrize(("told", "seconds"), [("", 5.0), ("2.5", 2.5), ("60", 60.0), ("0", None)])
+def test_the_time_limit_of_a_server_over_tcp_is_the_environments(told, seconds):
+    for given in ({}, {"timeout": 7.0}):
+        with scripted_port(lambda talk: talk.greet()) as (host, port):
+            environ = {"PLAYER_HOST": host, "PLAYER_PORT": str(port), "PLAYER_TIMEOUT": told}
+            with PlayerClient(environ=environ, **given) as robot:
+                assert robot.timeout == given.get("timeout", seconds)
+
+
 def test_an_inherited_socket_is_found_taken_once_and_not_handed_on():
     with scripted(lambda talk: talk.greet()) as sock:
         fd = os.dup(sock.fileno())
@@ -80,7 +89,15 @@ def test_proxies_take_the_robots_index_unless_told():
 
 @pytest.mark.parametrize(
     ("variable", "value"),
-    [("PLAYER_PORT", "port"), ("PLAYER_PORT", "70000"), ("PLAYER_FD", "-1"), ("PLAYER_SEED", "x")],
+    [
+        ("PLAYER_PORT", "port"),
+        ("PLAYER_PORT", "70000"),
+        ("PLAYER_FD", "-1"),
+        ("PLAYER_SEED", "x"),
+        ("PLAYER_TIMEOUT", "soon"),
+        ("PLAYER_TIMEOUT", "-1"),
+        ("PLAYER_TIMEOUT", "inf"),
+    ],
 )
 def test_a_variable_that_makes_no_sense_is_named(variable, value):
     with pytest.raises(PlayerDisconnected, match=f"{variable}='{value}'"):

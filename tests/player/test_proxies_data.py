@@ -274,6 +274,25 @@ def test_a_device_that_has_sent_nothing_in_the_first_rounds_has_no_reading_then(
         assert laser.ranges.tolist() == [1.0]
 
 
+def test_blobs_that_are_none_are_no_reading():
+    """Nor is data of a later Player's subtype."""
+
+    def script(talk):
+        for subtype, payload in ((1, b"\0\0\0\x09" * 5), (99, b"whatever")):
+            talk.round((Interface.BLOBFINDER, subtype, payload))
+
+    def act(camera):
+        with pytest.raises(XdrError, match="blobfinder:0: 9 blobs do not fit 20 bytes"):
+            camera.client.read()
+        assert camera.client.read()
+        assert camera.client.read()
+        for name in ("blobs", "width"):
+            with pytest.raises(NoReading):
+                getattr(camera, name)
+
+    talk_with(BlobfinderProxy, script, act)
+
+
 def test_what_a_laser_has_hit_is_told_from_the_end_of_its_range():
     end = float(np.nextafter(np.float32(8.0), np.float32(0.0)))
     assert see(LaserProxy, (1, scan([0.0, 7.5, end, 8.0]))).hits.tolist() == [True] * 3 + [False]

@@ -24,6 +24,7 @@ from wire_talk import (
     SYNCH,
     data_mode,
     hear,
+    kinds,
     open_device,
     say,
     velocity,
@@ -31,8 +32,8 @@ from wire_talk import (
 
 from player.codes import DeviceAddr
 from player.directory import Directory
-from player.server import Connected, Disconnected, Server
-from player.session import Command, Malformed, Request, Subscribed
+from player.server import HELD_FOR, Connected, Disconnected, Server
+from player.session import Command, DataRequested, Malformed, Request, Subscribed
 from tests.patience import PATIENCE
 
 BASE = DeviceAddr(POSITION2D, 0)
@@ -171,6 +172,54 @@ def test_an_adopted_socket_speaks_the_same_protocol(server, sockets):
     publish(server)
     assert [message(client)[2] for _ in range(3)] == [ACK, DATA, SYNCH]
     assert connection.peer == "robot r1"
+
+
+def pulling(server, sockets):
+    """A client over TCP that has asked for data, and been heard."""
+    client = sockets(server.listen("127.0.0.1", 0, directory()))
+    client.sendall(data_mode(PULL) + open_device(*BASE))
+    handle(server, [Subscribed])
+    exactly(client, 32)
+    assert [message(client)[2] for _ in range(2)] == [ACK, ACK]
+    client.sendall(ASK)
+    while not any(type(event) is DataRequested for _, event in server.poll(PATIENCE)):
+        pass
+    client.setblocking(False)
+    return client
+
+
+def test_that_a_request_was_heard_is_told_with_the_data_in_one_piece(server, sockets, monkeypatch):
+    monkeypatch.setattr("player.server.monotonic", lambda: 0.0)
+    client = pulling(server, sockets)
+    with pytest.raises(BlockingIOError):
+        client.recv(1)
+    publish(server)
+    client.settimeout(PATIENCE)
+    assert kinds(client.recv(1 << 16)) == [(ACK, GET_DATA), (DATA, 1), (SYNCH, 1)]
+
+
+def test_that_a_request_was_heard_is_told_before_long_if_there_are_no_data(
+    server, sockets, monkeypatch
+):
+    clock = [0.0]
+    monkeypatch.setattr("player.server.monotonic", lambda: clock[0])
+    client = pulling(server, sockets)
+    clock[0] = HELD_FOR
+    assert server.poll(0) == []
+    client.settimeout(PATIENCE)
+    assert message(client)[2:4] == (ACK, GET_DATA)
+    publish(server)
+    assert [message(client)[2] for _ in range(2)] == [DATA, SYNCH]
+
+
+def test_any_other_answer_takes_it_along_at_once(server, sockets, monkeypatch):
+    monkeypatch.setattr("player.server.monotonic", lambda: 0.0)
+    client = pulling(server, sockets)
+    client.sendall(say(5, 0, REQ, 1))
+    server.poll(PATIENCE)
+    assert server.poll(0) == []
+    client.settimeout(PATIENCE)
+    assert [message(client)[2:4] for _ in range(2)] == [(ACK, GET_DATA), (NACK, 1)]
 
 
 def test_a_client_that_goes_is_reported_once(server, sockets):

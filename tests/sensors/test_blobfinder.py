@@ -3,13 +3,13 @@
 import math
 from itertools import groupby
 
-import brute_force
 import numpy as np
 import pytest
 from pydantic import ValidationError
 from sensing import BLUE, BOX, GREEN, RED, Stage
 
 from sensors.registry import settings_for
+from troupe.testing import rays
 
 CAMERA = {"type": "blobfinder", "fov": 90, "image": [90, 60], "range": 20}
 
@@ -115,7 +115,7 @@ def test_blobs_are_the_runs_of_colours_that_brute_force_sees(seed):
     rng = np.random.default_rng(seed)
     width, height = int(rng.integers(1, 200)), int(rng.integers(1, 150))
     fov = float(rng.choice([60, 180, 360]))
-    stage, world = Stage(), brute_force.World()
+    stage, world = Stage(), rays.Things()
     colors = [RED, GREEN, BLUE]
     for _ in range(12):
         pose = np.array([*rng.uniform(-8, 8, 2), rng.uniform(-3, 3)])
@@ -126,7 +126,7 @@ def test_blobs_are_the_runs_of_colours_that_brute_force_sees(seed):
     stage.robot(0.01, 0.02, heading, {"type": "blobfinder"} | camera)
     found = blobs(stage)
     bearings = np.radians(np.linspace(-fov / 2, fov / 2, width) if width > 1 else [0.0])
-    seen = brute_force.scan(world, np.array([0.01, 0.02, heading]), -1, bearings, 12.0)
+    seen = rays.scan(world, np.array([0.01, 0.02, heading]), -1, bearings, 12.0)
     shown = [stage.scene.colors[e] if e >= 0 else None for e in seen.owner]
     expected, column = [], 0
     for color, run in groupby(shown):

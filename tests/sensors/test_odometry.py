@@ -55,6 +55,20 @@ def test_odometry_can_be_set_and_reset(slip):
     np.testing.assert_allclose(reported, [0, 0.5, 0], atol=1e-9)
 
 
+@pytest.mark.parametrize("start", [0.0, 0.5, 1.0, -2.3, np.pi])
+@pytest.mark.parametrize("slip", [0.0, 0.1])
+def test_half_a_turn_is_plus_half_a_turn(slip, start):
+    for told in (np.pi, -np.pi, 3 * np.pi):
+        odometry = Odometry(1)
+        odometry.add_robot("a", (3, 4, start), slip=slip)
+        odometry.set_odometry(0, (1, 2, told))
+        assert odometry.poses[0, 2] == np.pi
+        _, reported = drive(odometry, (3, 4, start), [(0, 0, 0)])
+        assert reported[2] == pytest.approx(np.pi, abs=1e-12)
+    odometry.set_odometry(0, (1, 2, 1e-9 - np.pi))  # and what is beyond is not
+    assert odometry.poses[0, 2] == pytest.approx(1e-9 - np.pi, abs=1e-14)
+
+
 @pytest.mark.parametrize("slip", [0.0, 1e-12])
 def test_being_carried_about_turns_no_wheel(slip):
     odometry = Odometry(1)

@@ -1,6 +1,5 @@
 """The ranger: cones in sonar style, and scans."""
 
-import brute_force
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,6 +10,7 @@ from sensing import BOX, Stage
 from sensors.cones import cast_cones
 from sensors.registry import settings_for
 from sensors.scene import Scene
+from troupe.testing import rays
 
 
 def test_each_element_looks_from_its_own_place():
@@ -98,7 +98,7 @@ pose = st.tuples(coordinate, coordinate, coordinate)
     st.sampled_from([1.0, 20.0]),
 )
 def test_a_cone_measures_what_brute_force_finds_nearest(things, sensors, fov, max_range):
-    scene, world = Scene(), brute_force.World()
+    scene, world = Scene(), rays.Things()
     for at, kind in things:
         entity = scene.add_entity(pose=at)
         place = np.array(at)
@@ -125,5 +125,5 @@ def test_a_cone_measures_what_brute_force_finds_nearest(things, sensors, fov, ma
     ranges = np.empty(len(origins))
     cast_cones(scene.arrays, origins, np.full(len(origins), -1), fov, max_range, ranges)
     for origin, measured in zip(origins, ranges, strict=True):
-        low, high = brute_force.cone(world, origin, -1, fov, max_range)
+        low, high = rays.cone(world, origin, -1, fov, max_range)
         assert low - 1e-9 <= measured <= high + 1e-9

@@ -2,7 +2,6 @@
 
 import itertools
 
-import brute_force
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,6 +9,7 @@ from hypothesis import strategies as st
 
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
+from troupe.testing import rays
 
 BOX = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
@@ -19,7 +19,7 @@ class Pair:
 
     def __init__(self):
         self.scene = Scene()
-        self.world = brute_force.World()
+        self.world = rays.Things()
 
     def polygon(self, pose, vertices=BOX):
         entity = self.scene.add_entity(pose=pose)
@@ -58,8 +58,8 @@ class Pair:
         ranges, hits = cast(self.scene, origins, own, fov, samples, max_range)
         bearings = bearings_of(fov, samples)
         for k, origin in enumerate(origins):
-            answer = brute_force.scan(self.world, origin, own[k], bearings, max_range)
-            brute_force.check_scan(answer, ranges[k], hits[k], max_range)
+            answer = rays.scan(self.world, origin, own[k], bearings, max_range)
+            rays.check_scan(answer, ranges[k], hits[k], max_range)
         return ranges, hits
 
 
@@ -314,7 +314,7 @@ def test_a_ray_two_billionths_beside_a_corner_gives_one_answer():
     rng = np.random.default_rng(11)
     pair = Pair()
     box = pair.polygon((0, 0, 0.4))
-    corners = brute_force.placed(np.array([0, 0, 0.4]), BOX)
+    corners = rays.placed(np.array([0, 0, 0.4]), BOX)
     for _ in range(100):
         bearing = rng.uniform(-np.pi, np.pi)
         x, y = 3 * np.cos(bearing), 3 * np.sin(bearing)

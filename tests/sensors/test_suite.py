@@ -33,6 +33,18 @@ def test_equal_settings_make_one_batch_in_the_order_in_which_they_came():
     assert stage.suite.first_slot == [0, 3, 6, 9]
 
 
+def test_robots_that_enter_one_by_one_are_copied_once():
+    """Whoever enters asks for its places; the arrays grow when all have."""
+    stage = Stage()
+    for k in range(20):
+        stage.robot(3.0 * k, 0, 0, LASER, CAMERA)
+        group, row = stage.suite.place(k, 0)
+        assert (group.kind, row) == ("scan", k)
+        assert len(group.readings.ranges) == 0
+    stage.sense()
+    assert stage.suite.groups[0].readings.ranges.shape == (20, 5)
+
+
 def test_a_reading_is_a_view_of_its_row():
     stage = room()
     stage.sense()

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.sim.raw_client import LASER, POSITION2D, pulling
 from tests.sim.served_world import WORLD
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import LASER, POSITION2D, pulling
 
 ALONE = WORLD.replace("pose: [6.5, 5.5, -100], controller: hand", "pose: [6.5, 5.5, -100]")
 

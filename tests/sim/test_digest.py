@@ -10,9 +10,6 @@ from pathlib import Path
 import pytest
 
 import troupe
-from sim.build import load
-from sim.engine import Engine, Settings
-from sim.fleet.fleet import Fleet
 from tests.processes import ROOT, environment, troupe_command
 
 WORLD = ROOT / "worlds" / "wander.yaml"
@@ -47,19 +44,16 @@ def test_a_run_in_another_process_has_the_same_digest(digest: str) -> None:
 
 
 def test_a_run_that_is_stepped_from_outside_has_the_same_digest(digest: str) -> None:
-    engine = Engine(load(WORLD), Settings(1, DURATION), Fleet(), lambda line: None)
-    try:
-        engine.begin()
+    with troupe.Simulation(WORLD, seed=1, duration=DURATION) as simulation:
         ticks = 0
-        while engine.advance():
+        while not simulation.over:
+            simulation.step()
             ticks += 1
-            assert engine.ended is None
-            assert engine.ticks == ticks
-        assert not engine.advance()  # it stays over
-    finally:
-        engine.crew.dismiss()
-    assert engine.ended == "completed"
-    assert engine.result(engine.ended, 1.0).digest == digest
+            assert simulation.ticks == ticks
+        with pytest.raises(RuntimeError, match="the run is over"):
+            simulation.step()
+    assert simulation.outcome == "completed"
+    assert simulation.result().digest == digest
 
 
 @pytest.mark.usefixtures("busy")

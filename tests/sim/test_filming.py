@@ -12,9 +12,8 @@ import pytest
 
 import troupe
 from sim.build import load
-from sim.engine import Settings
-from sim.filming import Film, backdrop_of, shown
-from sim.run import run_world
+from sim.filming import shown
+from sim.showing import backdrop_of
 from sim.stage.boundary import touchable
 from sim.stage.raster import Raster
 from sim.video.errors import VideoError
@@ -107,10 +106,10 @@ def test_a_picture_that_cannot_be_written_is_told_and_the_run_is_whole(
 
 
 def test_who_has_finished_is_settled_and_has_no_fan(world: Path) -> None:
-    film, views = Film(), []
-    settings = Settings(seed=1, duration=1.0)
-    run_world(load(world), settings, each_tick=lambda engine: views.append(film.snapshot(engine)))
-    last = views[-1]
+    with troupe.Simulation(world, seed=1, duration=1.0) as simulation:
+        while not simulation.over:
+            simulation.step()
+        last = simulation.view()
     assert list(last.settled) == [True, False]
     assert {scan.robot for scan in last.scans} == {1}  # type: ignore[union-attr]
     assert list(last.said) == ["done", "done"]

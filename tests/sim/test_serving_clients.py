@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.sim.raw_client import (
+from tests.sim.serving import Serving, World
+from troupe.testing.wire import (
     ACK,
     DATA,
     PLAYER,
@@ -16,7 +17,6 @@ from tests.sim.raw_client import (
     pulling,
     pushed,
 )
-from tests.sim.serving import Serving, World
 
 
 def test_the_last_command_wins_whoever_gives_it(world: World) -> None:
@@ -58,9 +58,9 @@ def test_when_the_clock_goes_the_next_pull_client_is_the_clock(world: World) -> 
         first.close()
         second.data.clear()
         second.round()
-        ticks = run.engine.ticks
+        ticks = run.simulation.ticks
         second.round()
-        assert run.engine.ticks == ticks + 1
+        assert run.simulation.ticks == ticks + 1
         second.close()
         assert run.result().robot("one").state == "lost"
 
@@ -136,7 +136,7 @@ def test_requests_are_answered_while_the_world_waits_for_others(world: World) ->
         one.ask()
         for _ in range(50):
             assert two.request(POSITION2D, 0, 1).type == ACK
-        assert run.engine.ticks == 0
+        assert run.simulation.ticks == 0
         two.round()
         one.answer()
 

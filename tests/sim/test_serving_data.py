@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 from tests.patience import PATIENCE
-from tests.sim.raw_client import (
+from tests.sim.served_world import ONE, RADIUS, SIZE, TWO, WORLD, placed, ray
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     ACK,
     BLOBFINDER,
     BUMPER,
@@ -28,8 +30,6 @@ from tests.sim.raw_client import (
     pulling,
     text,
 )
-from tests.sim.served_world import ONE, RADIUS, SIZE, TWO, WORLD, placed, ray
-from tests.sim.serving import Serving, write_world
 
 FLOAT32 = 1e-6  # relative: half of the last bit of a float32 is 6e-8
 LASER_MOUNT = (0.2, 0.0)
@@ -99,10 +99,11 @@ def test_a_laser_that_is_configured_serves_that_part_of_its_scan(run: Serving) -
         marks = bytes(r <= 4.0 for r in truth)
         assert rest == struct.pack(">II", 38, 38) + marks + bytes(2) + bytes(4)
         assert 0 < sum(marks) < 38
-        # more than the sensor has is cut to what it has
-        greedy = struct.pack(">5fIf", -3.0, 3.0, 0.0, 100.0, 0.0, 0, 10.0)
-        whole = client.request(LASER, 0, 2, greedy).unpack("5fIf")
-        assert whole[:4] == pytest.approx((-math.pi / 2, math.pi / 2, degree, 8.0), rel=FLOAT32)
+        # and all of it, as a client of Stage's would ask for it: by the number of rays
+        angle = math.pi / 2
+        all_of_it = struct.pack(">5fIf", -angle, angle, math.pi / 181, 8.0, 0.02, 0, 10.0)
+        whole = client.request(LASER, 0, 2, all_of_it).unpack("5fIf")
+        assert whole[:4] == pytest.approx((-angle, angle, degree, 8.0), rel=FLOAT32)
         _, ranges, rest = scan(client.round()[LASER, 0, 1].payload)
         assert (len(ranges), rest) == (181, bytes(12))
 
@@ -370,7 +371,7 @@ def test_the_simulation_tells_and_sets_true_poses_by_name(run: Serving) -> None:
         got = client.request(SIMULATION, 0, 3, text("two") + bytes(56))
         x, y, z, roll, pitch, yaw, microseconds = struct.unpack(">7d", got.payload[12:])
         assert (x, y, z, roll, pitch, yaw) == pytest.approx((8.0, 2.0, 0, 0, 0, 0.25))
-        assert microseconds == pytest.approx(run.engine.time * 1e6)
+        assert microseconds == pytest.approx(run.simulation.time * 1e6)
         assert run.pose(1) == pytest.approx(goal)
 
 
@@ -465,12 +466,12 @@ def test_a_pause_stops_the_clock_until_it_is_lifted(run: Serving) -> None:
         client.socket.settimeout(0.3)  # no data comes: as long as one cares to wait
         with pytest.raises(TimeoutError):
             client.answer()
-        assert run.engine.ticks == 1
+        assert run.simulation.ticks == 1
         client.socket.settimeout(PATIENCE)
         tool.command(SIMULATION, 0, 1)
         while client.receive().type != 5:
             pass
-        assert run.engine.ticks == 2
+        assert run.simulation.ticks == 2
 
 
 def test_a_pause_ends_with_the_client_that_asked_for_it(run: Serving) -> None:
@@ -480,7 +481,7 @@ def test_a_pause_ends_with_the_client_that_asked_for_it(run: Serving) -> None:
             assert tool.request(POSITION2D, 0, 1).type == ACK
             assert run.engine.context.paused
         client.round()
-        assert run.engine.ticks == 1
+        assert run.simulation.ticks == 1
 
 
 def test_ranges_never_pass_below_zero_nor_above_the_sensors_range(run: Serving) -> None:

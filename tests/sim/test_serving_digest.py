@@ -17,8 +17,8 @@ from sim.fleet.launching import environment
 from sim.result import Result
 from tests.patience import PATIENCE
 from tests.processes import ROOT
-from tests.sim.raw_client import ACK, LASER, POSITION2D, PULL, PUSH, Gone, RawClient
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import ACK, LASER, POSITION2D, PULL, PUSH, Gone, RawClient
 
 SEED = 5
 DURATION = 12.0
@@ -76,7 +76,6 @@ def serve(
         path,
         duration=DURATION,
         seed=SEED,
-        processes="external" not in controller,
         listen=("127.0.0.1", 0) if listen else None,
     )
 
@@ -136,7 +135,7 @@ def test_clients_that_come_from_outside_give_the_same_digest(
         result = run.result()
     assert [client.wait(PATIENCE) for client in clients] == [0, 0]
     assert result.digest == expected.digest
-    assert [robot.state for robot in result.robots] == ["running", "lost"]
+    assert [robot.state for robot in result.robots] == ["running", "finished"]
 
 
 # -- onlookers ----------------------------------------------------------------------------------
@@ -154,7 +153,7 @@ class Onlookers:
 
     def look(self) -> None:
         clients: list[RawClient] = []
-        while self.run.thread.is_alive():
+        while self.run.running:
             try:
                 clients.append(self.come())
                 while len(clients) > self.random.randrange(6):
@@ -221,7 +220,7 @@ def test_an_onlooker_that_is_there_first_is_not_taken_for_the_program(
             client.ask()
             assert client.receive().type == ACK
         assert first[0].request(POSITION2D, 0, 1).time == 0.0
-        assert run.engine.ticks == 0
+        assert run.simulation.ticks == 0
         for _ in NAMES:
             gate.accept()[0].close()
         result = run.result()

@@ -22,7 +22,9 @@ from sim.devices import position2d
 from sim.devices.laser import Laser
 from sim.devices.position2d import Position2d
 from sim.filming import Film, open_recorder
-from tests.sim.raw_client import (
+from tests.sim.served_world import WORLD
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     ACK,
     LASER,
     NACK,
@@ -37,8 +39,6 @@ from tests.sim.raw_client import (
     pulling,
     text,
 )
-from tests.sim.served_world import WORLD
-from tests.sim.serving import Serving, write_world
 
 
 @pytest.fixture
@@ -121,7 +121,7 @@ def test_an_error_costs_its_client_the_connection_and_nobody_else_anything(
             other.ask()
             with pytest.raises(Gone):  # noqa: PT012 - in which of them depends on where
                 client.command(POSITION2D, 0, 4, struct.pack(">2d", 0.3, 0.1))
-                client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0, 2, 0, 0, 0))
+                client.request(LASER, 0, 2, struct.pack(">4ffIf", -0.5, 0.5, 0.1, 2, 0, 0, 0))
                 client.subscribe(LASER)
                 client.request(POSITION2D, 0, 1)
                 client.round()
@@ -267,9 +267,12 @@ class Filmed:
     def __init__(self, folder: Path) -> None:
         path = write_world(folder, WORLD)
         self.film = Film(open_recorder(folder / "run.mp4", load(path), speed=1.0))
-        self.run = Serving(path, each_tick=self.film.each_tick)
+        self.run = Serving(path, each_tick=self.draw)
         self.client = pulling(self.run.port("one"), (POSITION2D, 0), (LASER, 0))
         self.other = pulling(self.run.port("two"))
+
+    def draw(self, simulation: troupe.Simulation) -> None:
+        self.film.each_tick(simulation._engine)
 
     def round(self) -> None:
         self.other.ask()
@@ -319,7 +322,7 @@ def test_whatever_devices_are_told_no_error_comes_of_it(
         filmed.round()
     filmed.round()
     assert not [line for line in run.lines if "Traceback" in line]
-    assert run.outcome is None
+    assert run.running
     x, y, yaw = run.pose()
     assert 0 <= x <= 10
     assert 0 <= y <= 10

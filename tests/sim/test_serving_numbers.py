@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import troupe
-from tests.sim.raw_client import (
-    ACK,
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     GRAPHICS2D,
     LASER,
     NACK,
@@ -22,7 +22,6 @@ from tests.sim.raw_client import (
     pulling,
     text,
 )
-from tests.sim.serving import Serving, write_world
 
 WORLD = """\
 size: [20, 20]
@@ -185,17 +184,15 @@ def test_requests_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
         client.round()
 
 
-def test_a_scan_as_wide_and_far_as_can_be_said_is_the_whole_scan(tmp_path: Path) -> None:
+def test_a_scan_as_wide_far_or_coarse_as_can_be_said_is_refused(tmp_path: Path) -> None:
     most = 3.4e38  # about the largest float32
     with serving(tmp_path, "differential") as run, pulling(run.port("one")) as client:
-        before = client.request(LASER, 0, 3).payload
-        got = client.request(LASER, 0, 2, struct.pack(">4ffIf", -most, most, 0, most, 0, 0, 0))
-        assert (got.type, got.payload) == (ACK, before)
-        # and one as coarse as can be said has one ray
-        got = client.request(LASER, 0, 2, struct.pack(">4ffIf", -1, 1, most, 0, 0, 0, 0))
-        assert got.type == ACK
-        client.subscribe(LASER)
-        assert client.round()[LASER, 0, 1].payload[16:20] == struct.pack(">I", 1)
+        before = client.request(LASER, 0, 3)
+        config = before.unpack("5fIf")
+        for place, bad in ((0, -most), (1, most), (2, most), (3, most), (4, most)):
+            asked = [bad if k == place else config[k] for k in range(7)]
+            assert client.request(LASER, 0, 2, struct.pack(">5fIf", *asked)).type == NACK
+        assert client.request(LASER, 0, 3).payload == before.payload
 
 
 def drawn(client: RawClient, points: list[tuple[float, float]]) -> None:

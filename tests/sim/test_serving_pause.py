@@ -7,15 +7,28 @@ from pathlib import Path
 import pytest
 
 import troupe
-from tests.sim.raw_client import ACK, POSITION2D, SIMULATION, Gone, RawClient, pulling
 from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
+    ACK,
+    DATA,
+    LASER,
+    PLAYER,
+    POSITION2D,
+    REQ,
+    SIMULATION,
+    SYNCH,
+    Gone,
+    RawClient,
+    message,
+    pulling,
+)
 
 WORLD = """\
 size: [20, 20]
 duration: 2
 until: duration
 models:
-  full: {body: {shape: circle, radius: 0.3}, simulation: full}
+  full: {body: {shape: circle, radius: 0.3}, simulation: full, sensors: [{type: laser}]}
   rover: {body: {shape: circle, radius: 0.3}}
 robots:
   - {name: one, model: full, pose: [10, 10, 0], controller: mine}
@@ -124,8 +137,52 @@ def test_who_may_not_pause_is_not_taken_for_who_has(path: Path) -> None:
         assert run.engine.context.paused  # it has gone, and the pause was not its own
         one.ask()
         two.ask()
-        ticks = run.engine.ticks
+        ticks = run.simulation.ticks
         pause(onlooker)
         one.answer()
         two.answer()
-        assert run.engine.ticks == ticks + 1
+        assert run.simulation.ticks == ticks + 1
+
+
+def test_who_has_paused_reads_on_what_is_and_lets_the_world_go_on(path: Path) -> None:
+    with (
+        Serving(path) as run,
+        pulling(run.port("one"), (POSITION2D, 0), (SIMULATION, 0)) as one,
+        pulling(run.port("two")) as two,
+    ):
+        one.drive(0.3)
+        one.ask()
+        two.round()
+        (before,) = one.answer().values()
+        pause(one)
+        two.ask()
+        for _ in range(3):  # it reads on, as a program does that has not noticed
+            assert one.round() == {(POSITION2D, 0, 1): before}
+        one.subscribe(LASER)  # nobody had read that before
+        got = one.round()
+        assert got[POSITION2D, 0, 1] == before
+        assert max(got[LASER, 0, 1].unpack("4f2I180f2II")[6:186]) > 5
+        assert run.simulation.ticks == 1
+        pause(one)
+        assert run.simulation.ticks == 1  # it is waited for again
+        one.data.clear()
+        one.ask()
+        two.answer()
+        assert one.answer()[POSITION2D, 0, 1].time == pytest.approx(0.2)
+        assert run.simulation.ticks == 2
+
+
+def test_who_asks_and_then_pauses_is_answered_too(path: Path) -> None:
+    with (
+        Serving(path) as run,
+        pulling(run.port("one"), (POSITION2D, 0), (SIMULATION, 0)) as one,
+        pulling(run.port("two")),
+    ):
+        one.ask()
+        assert one.receive().type == ACK
+        one.command(SIMULATION, 0, 1)
+        assert [one.receive().type for _ in range(2)] == [DATA, SYNCH]
+        pause(one)
+        one.send(message(PLAYER, 0, REQ, 4))
+        assert one.receive().type == ACK
+        assert run.simulation.ticks == 0  # the other one is waited for, as ever

@@ -11,17 +11,17 @@ import pytest
 import player
 from controllers import keyboard
 from sim import ports
-from tests.sim.raw_client import (
+from tests.sim.serving import Serving, World
+from troupe.testing.wire import (
     LASER,
     POSITION2D,
     pulling,
 )
-from tests.sim.serving import Serving, World
 
 
 def test_one_port_serves_all_robots_by_index(world: World) -> None:
     with Serving(world("hand", layout="shared")) as run:
-        run.line("two: waiting for a Player client at .* that subscribes position2d:1")
+        run.line("two: waiting for a Player client at .* that reads position2d:1")
         with pulling(run.shared_port, (POSITION2D, 0)) as one:
             assert {(4, 0), (4, 1), (6, 0), (6, 1), (31, 0)} <= set(one.devices())
             assert (31, 1) not in one.devices()
@@ -46,7 +46,7 @@ def test_one_client_may_drive_all_robots_of_a_port_and_is_the_clock_of_all(world
                 client.drive(0.4, index=0)
                 client.drive(0.2, index=1)
                 assert set(client.round()) == {(POSITION2D, 0, 1), (POSITION2D, 1, 1)}
-            assert run.engine.ticks == 10
+            assert run.simulation.ticks == 10
             assert run.pose(0)[0] > run.pose(1)[0] > 3.1
         result = run.result()
     assert [robot.state for robot in result.robots] == ["lost", "lost"]
@@ -74,21 +74,15 @@ def test_ports_follow_each_other_from_the_base(world: World) -> None:
 def test_a_port_that_is_taken_is_a_clear_error(world: World) -> None:
     with Serving(world()) as first:
         port = first.port("one")
-        with (
-            Serving(world(), listen=("127.0.0.1", port)) as second,
-            pytest.raises(OSError, match=f"cannot listen on 127.0.0.1:{port}"),
-        ):
-            second.result()
+        with pytest.raises(OSError, match=f"cannot listen on 127.0.0.1:{port}"):
+            Serving(world(), listen=("127.0.0.1", port))
         with pulling(port) as client:  # the first run is none the worse for it
             client.round()
 
 
 def test_ports_beyond_the_last_are_a_clear_error(world: World) -> None:
-    with (
-        Serving(world("hand"), listen=("127.0.0.1", 65535)) as run,
-        pytest.raises(OSError, match="65535 is the last one"),
-    ):
-        run.result()
+    with pytest.raises(OSError, match="65535 is the last one"):
+        Serving(world("hand"), listen=("127.0.0.1", 65535))
 
 
 def test_another_address_than_loopback_is_pointed_out(world: World) -> None:
@@ -115,13 +109,13 @@ def test_a_client_that_is_told_no_port_finds_the_robot_that_waits_for_one(
 ) -> None:
     with Serving(world(layout=layout), listen=None) as run:
         told = run.line("one: waiting for a Player client")
-        assert f"at 127.0.0.1:{default_port} that subscribes position2d:0" in told.string
+        assert f"at 127.0.0.1:{default_port} that reads position2d:0" in told.string
         run.line(f"  by hand: python -m controllers.keyboard 127.0.0.1:{default_port}")
         with player.PlayerClient(environ={}, timeout=None) as client:
             base = player.Position2dProxy(client)
             base.set_speed(0.3)
             assert client.read()
-        assert run.engine.ticks >= 1
+        assert run.simulation.ticks >= 1
 
 
 def test_the_next_robots_wait_at_the_next_ports(world: World, default_port: int) -> None:

@@ -14,7 +14,6 @@ from player import (
     DeviceAddr,
     FiducialProxy,
     Interface,
-    LaserConfig,
     LaserProxy,
     PlayerClient,
     PlayerRefused,
@@ -70,15 +69,16 @@ def test_a_hit_at_the_end_of_the_range_is_told_from_nothing(
         assert client.read()
         assert laser.ranges == pytest.approx([5.0] * 3, abs=1e-2)  # 1 degree aside: 0.8 mm more
         assert laser.hits.tolist() == twin.hits.tolist() == [False, hit, False]
-        # the same where a client has configured a part of the scan
-        laser.configure(laser.request_configuration()._replace(min_angle=-0.02))
+        # the same where a client has configured the scan
+        laser.configure(laser.request_configuration()._replace(intensity=True))
 
 
 def test_a_scan_cut_short_hits_what_is_at_its_new_end(robot: Robot) -> None:
     client = robot(facing_a_wall(NEAR_THE_END, "type: laser, range: 8, fov: 2, samples: 3"))
     Position2dProxy(client)
     laser = LaserProxy(client)
-    laser.configure(LaserConfig(-1.0, 1.0, 0.0, 5.0, 0.0, True, 10.0))
+    whole = laser.request_configuration()
+    laser.configure(whole._replace(max_range=5.0, intensity=True))
     assert client.read()
     assert laser.max_range == 5.0
     assert laser.hits.tolist() == [False, True, False]

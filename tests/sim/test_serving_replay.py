@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.player.captured_conversations import Captured, client_messages, server_messages
-from tests.sim.raw_client import (
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     ACK,
     BLOBFINDER,
     BUMPER,
@@ -31,7 +32,6 @@ from tests.sim.raw_client import (
     Got,
     RawClient,
 )
-from tests.sim.serving import Serving, write_world
 
 WORLD = """\
 size: [20, 20]
@@ -67,7 +67,6 @@ DRIVEN = ", controller: client"
 
 # What this server answers where Player (with Stage) answers otherwise: docs/player.md says why.
 SAYS_YES = {
-    (LASER, 2),  # set_config, which Stage refuses (twice for one request)
     (LASER, 5),  # get_id
     (RANGER, 2),  # power
     (RANGER, 3),  # intensities

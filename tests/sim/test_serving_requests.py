@@ -8,7 +8,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.sim.raw_client import (
+from tests.sim.served_world import WORLD
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     ACK,
     BLOBFINDER,
     BUMPER,
@@ -35,8 +37,6 @@ from tests.sim.raw_client import (
     pulling,
     text,
 )
-from tests.sim.served_world import WORLD
-from tests.sim.serving import Serving, write_world
 
 
 @pytest.fixture(scope="module")
@@ -267,7 +267,7 @@ def test_replies_carry_the_servers_address_and_the_simulated_time(
     got = full.request(POSITION2D, 0, 1)
     assert got.host == 0x0100007F
     assert got.robot == run.port("one")
-    assert got.time == run.engine.time >= 0.3
+    assert got.time == run.simulation.time >= 0.3
 
 
 def test_a_robot_with_simulation_report_may_deal_with_itself_alone(report: RawClient) -> None:

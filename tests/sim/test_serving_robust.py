@@ -15,7 +15,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.sim.raw_client import (
+from tests.sim.served_world import WORLD
+from tests.sim.serving import Serving, write_world
+from troupe.testing.wire import (
     ACK,
     CMD,
     GRAPHICS2D,
@@ -33,8 +35,6 @@ from tests.sim.raw_client import (
     pushed,
     text,
 )
-from tests.sim.served_world import WORLD
-from tests.sim.serving import Serving, write_world
 
 ONE_DRIVES = WORLD.replace("pose: [6.5, 5.5, -100], controller: hand", "pose: [6.5, 5.5, -100]")
 ROUNDS = 40
@@ -411,7 +411,7 @@ def test_no_sequence_of_messages_ends_the_run(
         client.send(stream[: len(stream) - cut] if cut < 20 else stream)
     driver.mode(2)
     driver.round()
-    assert fuzzed.thread.is_alive()
+    assert fuzzed.running
     assert not [line for line in fuzzed.lines if "Traceback" in line]
     x, y, _ = fuzzed.pose()
     assert 0 <= x <= 10

@@ -9,8 +9,8 @@ import pytest
 
 from sensors.cones import cast_cones
 from sensors.rays import bearings_of, cast
-from tests.sensors import brute_force
 from tests.sim.moved_world import Moved
+from troupe.testing import rays
 
 NOWHERE = np.zeros(3)
 ROOM = np.array([[0, 0], [12, 0], [12, 9], [0, 9]], float)
@@ -31,7 +31,7 @@ obstacles:
 ROUND = [(3, 4, 0.7), (5, 2, 0.1), (9, 4, 1.2), (6, 6.5, 0.5)]
 
 
-def standing(world: brute_force.World) -> None:
+def standing(world: rays.Things) -> None:
     """The same obstacles for the other method."""
     for x, y, radius in ROUND:
         world.circle(1, np.array([x, y, 0.0]), radius)
@@ -39,7 +39,7 @@ def standing(world: brute_force.World) -> None:
     world.polygon(1, np.array([7.5, 2, np.radians(-70)]), KITE)
 
 
-def walls(world: brute_force.World, ring: np.ndarray) -> None:
+def walls(world: rays.Things, ring: np.ndarray) -> None:
     """A boundary along a ring: all beyond it is solid."""
     world.segments(0, NOWHERE, np.hstack([ring, np.roll(ring, -1, axis=0)]))
     world.inside(0, NOWHERE, ring, True)
@@ -47,7 +47,7 @@ def walls(world: brute_force.World, ring: np.ndarray) -> None:
 
 @pytest.mark.parametrize("around", ["size", "region", "map", "nothing"])
 def test_ranges_to_everything_that_stands_are_exact(around: str, tmp_path: Path) -> None:
-    world = brute_force.World()
+    world = rays.Things()
     text = "size: [12, 9]\nduration: 1\n" + OBSTACLES
     standing(world)
     if around == "region":
@@ -80,11 +80,11 @@ def test_ranges_to_everything_that_stands_are_exact(around: str, tmp_path: Path)
     for fov, samples in ((2 * np.pi, 90), (0.3, 1)):
         ranges, hits = cast(scene, origins, nobody, fov, samples, 20.0)
         for k, origin in enumerate(origins):
-            answer = brute_force.scan(world, origin, -1, bearings_of(fov, samples), 20.0)
+            answer = rays.scan(world, origin, -1, bearings_of(fov, samples), 20.0)
             answer.owner[:] = hits[k]  # entities are numbered by colour and height
-            brute_force.check_scan(answer, ranges[k], hits[k], 20.0)
+            rays.check_scan(answer, ranges[k], hits[k], 20.0)
     cones = np.empty(len(origins))
     cast_cones(scene.arrays, origins, nobody, 0.4, 20.0, cones)
     for origin, measured in zip(origins, cones, strict=True):
-        low, high = brute_force.cone(world, origin, -1, 0.4, 20.0)
+        low, high = rays.cone(world, origin, -1, 0.4, 20.0)
         assert low - 1e-9 <= measured <= high + 1e-9

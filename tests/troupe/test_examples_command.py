@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from sim.worldfile import load
+from sim.build import load
 from tests.processes import ROOT
 from troupe.app import app
 from troupe.examples import examples

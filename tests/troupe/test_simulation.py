@@ -125,7 +125,7 @@ def test_what_is_asked_are_copies_with_the_documented_shapes() -> None:
         assert sim.readings("blobfinder").counts.shape == (2,)
         assert sim.picture((200, 160)).shape == (160, 200, 3)
         assert sim._repr_png_()[:4] == b"\x89PNG"
-        assert sim.snapshot().poses.shape == (2, 3)
+        assert sim.view().poses.shape == (2, 3)
 
 
 def test_readings_that_are_asked_late_are_those_that_were_read_all_along() -> None:

@@ -1,4 +1,4 @@
-"""`troupe report`: what came out of a sweep, as one page with tables, plots and pictures."""
+"""`troupe report`: what came out of a sweep, or of one run, as one page with plots and pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ FORMATS = ("html", "md")
 
 def report(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="Folders that troupe sweep has made.")
+        list[Path],
+        typer.Argument(
+            metavar="DIR...|LOG.mcap",
+            help="Folders that troupe sweep has made, or a log that troupe run has written.",
+        ),
     ],
     out: Annotated[
         Path, typer.Option("-o", "--out", metavar="FILE", help="The page to be written.")
@@ -64,12 +68,24 @@ def report(
         ),
     ] = True,
 ) -> None:
-    """Make a report of a sweep: one file, which needs no network.
+    """Make a report of a sweep, or of the run of a log: one file, which needs no network.
 
-    A table per combination (runs, failures, median with its 95 % interval, the worst with its
-    seed), plots in which every run is a point, pairs of runs of one seed, failures by reason,
-    three runs to look at, and what repeats it all. Exit code 2: bad usage.
+    Of a sweep: a table per combination (runs, failures, median with its 95 % interval, the worst
+    with its seed), plots in which every run is a point, pairs of runs of one seed, failures by
+    reason, three runs to look at, and what repeats it all.
+
+    Of a run: pictures of its start and its end, what happened when, distances, speeds, contacts,
+    coverage, how near robots came, what they reported, and how their controllers ended.
+
+    Exit code 2: bad usage, or no log.
     """
+    if len(folders) == 1 and (folders[0].suffix.lower() == ".mcap" or folders[0].is_file()):
+        of_sweeps = {
+            "--format": format_ not in (None, "html"), "--measure": measure, "--higher": higher,
+            "--each": each, "--title": title, "--no-pictures": not pictures,
+        }  # fmt: skip
+        of_log(folders[0], out, [name for name, given in of_sweeps.items() if given])
+        return
     from troupe.report.sweep import contents, write_html, write_markdown  # noqa: PLC0415
     from troupe.sweep.collect import gather  # noqa: PLC0415
     from troupe.sweep.results import Each  # noqa: PLC0415
@@ -96,3 +112,23 @@ def report(
         print(printable_lines(told(error)), file=sys.stderr)
         raise typer.Exit(2) from None
     print(f"{content['runs']} runs: {out}")
+
+
+def of_log(log: Path, out: Path, given: list[str]) -> None:
+    """Make the report of a log. `given`: options that only a sweep's report can have."""
+    from sim.log.errors import LogError  # noqa: PLC0415 - `troupe --help` stays quick
+    from troupe.log import Log  # noqa: PLC0415
+    from troupe.report.log import check_page, write_report  # noqa: PLC0415
+
+    try:
+        if given:
+            raise UsageError(f"{given[0]}: {log} is the log of one run, and no sweep")
+        check_page(out)
+        write_report(Log(log), out)
+    except (UsageError, LogError) as error:
+        print(printable_lines(str(error)), file=sys.stderr)
+        raise typer.Exit(2) from None
+    except OSError as error:
+        print(printable_lines(told(error)), file=sys.stderr)
+        raise typer.Exit(2) from None
+    print(printable_lines(f"report: {out}"))

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from player.printable import printable_lines
 from sim.interrupts import Interrupts
+from troupe import film_options as options
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
 from troupe.streams import OutputLost, ReaderGone
@@ -20,7 +22,8 @@ from troupe.usage import UsageError, told
 from troupe.view_option import parse_address
 
 if TYPE_CHECKING:
-    from troupe.live.opening import LiveView
+    from troupe.live.opening import LiveView, LogView
+    from troupe.log import Log
     from troupe.running import Run
 
 
@@ -56,47 +59,13 @@ def run(
             "can reach the robots).",
         ),
     ] = False,
-    video: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.mp4", help="Make a video of the run.", show_default="none is made"
-        ),
-    ] = None,
-    video_fps: Annotated[
-        float | None, typer.Option(help="Frames per second of video.", show_default="25")
-    ] = None,
-    video_speed: Annotated[
-        float | None,
-        typer.Option(help="Simulated seconds per second of video.", show_default="10"),
-    ] = None,
-    video_size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WxH", help="Pixels.", show_default="the world's shape, 840 at the most"
-        ),
-    ] = None,
-    video_show: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LAYERS",
-            help="Some of fans,names,trails,speech,blobs, or none; for --picture too.",
-            show_default="all but blobs",
-        ),
-    ] = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.png|.svg",
-            help="Draw one moment, with axes in metres.",
-            show_default="none is made",
-        ),
-    ] = None,
-    at: Annotated[
-        float | None,
-        typer.Option(
-            metavar="T", help="The picture's moment in simulated seconds.", show_default="the end"
-        ),
-    ] = None,
+    video: options.Video = None,
+    video_fps: options.VideoFps = None,
+    video_speed: options.VideoSpeed = None,
+    video_size: options.VideoSize = None,
+    video_show: options.VideoShow = None,
+    picture: options.Picture = None,
+    at: options.At = None,
     log: Annotated[
         Path | None,
         typer.Option(
@@ -113,6 +82,14 @@ def run(
             show_default="as the world says, or none",
         ),
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.html",
+            help="Make a page of what came out: pictures, plots, what happened.",
+            show_default="none is made",
+        ),
+    ] = None,
     realtime: Annotated[
         float | None,
         typer.Option(
@@ -121,6 +98,14 @@ def run(
             show_default="as fast as possible",
         ),
     ] = None,
+    free: Annotated[
+        bool,
+        typer.Option(
+            "--free",
+            help="Wait for no Player client from outside: the world runs on by itself, in real "
+            "time unless --realtime says otherwise, for programs that sleep.",
+        ),
+    ] = False,
     listen: Annotated[
         str | None,
         typer.Option(
@@ -178,6 +163,7 @@ def run(
         duration=duration,
         settings=set_ or [],
         realtime=realtime,
+        free=free,
         listen=listen,
         patience=patience,
         fail_fast=fail_fast,
@@ -190,6 +176,7 @@ def run(
         at=at,
         log=log,
         log_sensors=None if log_sensors is None else parse_names(log_sensors),
+        report=report,
     )
 
 
@@ -207,12 +194,8 @@ class Watched:
         """The view, not yet entered."""
         from troupe.live.opening import LiveView  # noqa: PLC0415 - loaded for those who watch
 
-        host, port = (
-            ("127.0.0.1", 0) if self.address is None else parse_address("view", self.address)
-        )
         return LiveView(
-            host,
-            port,
+            *self.place,
             browser=self.browser,
             read_only=self.read_only,
             paused=self.paused,
@@ -221,6 +204,26 @@ class Watched:
             say=screen.say,
             warn=screen.warn,
         )
+
+    def of_log(self, screen: Screen, log: Log, start: float) -> LogView:
+        """The view of a log from a second of it on, not yet entered."""
+        from troupe.live.opening import LogView  # noqa: PLC0415 - loaded for those who watch
+
+        return LogView(
+            log,
+            *self.place,
+            start=start,
+            browser=self.browser,
+            read_only=self.read_only,
+            warn=screen.warn,
+        )
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """Host and port; raises UsageError for what is none."""
+        if self.address is None:
+            return "127.0.0.1", 0
+        return parse_address("view", self.address)
 
 
 def run_and_show(
@@ -277,8 +280,9 @@ def run_and_show(
 
 def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> None:
     """Print the result, to the last byte; whoever reads it may have enough before."""
-    if done.video_error is not None:
-        print(done.video_error, file=sys.stderr)
+    for error in (done.video_error, done.report_error):
+        if error is not None:
+            print(printable_lines(error), file=sys.stderr)
     with contextlib.suppress(ReaderGone):
         if as_json:
             from sim.strictjson import dumps  # noqa: PLC0415

@@ -95,6 +95,14 @@ def sweep(
             show_default="none",
         ),
     ] = None,
+    judge: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="MODULE:FUNCTION",
+            help="A function of a run's true poses that adds columns. Repeatable.",
+            show_default="none",
+        ),
+    ] = None,
     video_of: Annotated[
         str | None,
         typer.Option(
@@ -125,7 +133,7 @@ def sweep(
             if out is None:
                 raise UsageError("--out: name the sweep's folder, as --out results")
             how = checked(jobs, shard, timeout, retry_failed, dask, quiet)
-            code = run_sweep(worlds, out, seeds, set_, table, duration, each, video_of, how)
+            code = run_sweep(worlds, out, seeds, set_, table, duration, each, judge, video_of, how)
     except (UsageError, Unusable) as error:
         tell(str(error))
     except Changed as error:
@@ -184,6 +192,7 @@ def run_sweep(
     table: Path | None,
     duration: float | None,
     each: list[str] | None,
+    judge: list[str] | None,
     video_of: str | None,
     how: How,
 ) -> int:
@@ -207,6 +216,7 @@ def run_sweep(
         table=table,
         duration=duration,
         each=each or [],
+        judge=judge or [],
         about={
             "command": shlex.join(["troupe", *sys.argv[1:]]),
             "folder": str(Path.cwd()),

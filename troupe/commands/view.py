@@ -1,17 +1,30 @@
-"""`troupe view`: a run in the browser, which stands until somebody lets it go on."""
+"""`troupe view`: a run, or a log of one, in the browser; it stands until somebody lets it go on."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import re
+import sys
+from pathlib import Path
+from typing import Annotated, NoReturn
 
 import typer
 
+from player.printable import printable_lines
+from sim.interrupts import Interrupts
 from troupe.commands.run import Watched, run_and_show
+from troupe.interrupts import leave
+from troupe.show import Screen
+from troupe.usage import UsageError, told
 
 
 def view(
     world: Annotated[
-        str, typer.Argument(metavar="WORLD", help="A world file, or the name of one of Troupe's.")
+        str,
+        typer.Argument(
+            metavar="WORLD|LOG.mcap",
+            help="A world file, the name of one of Troupe's, or a log (`LOG.mcap#t=12.5`: from "
+            "12.5 s on).",
+        ),
     ],
     address: Annotated[
         str | None,
@@ -71,10 +84,19 @@ def view(
         bool, typer.Option("--quiet", help="No progress, no controllers' output.")
     ] = False,
 ) -> None:
-    """Watch a world in the browser: it stands at its beginning until you let it go on.
+    """Watch a world in the browser, or a log: it stands at its beginning until you let it go on.
 
-    The page stays when the run is over, and can begin it again. Ctrl-C ends it.
+    The page stays when the run is over, and can begin it again. Of a log it shows any time. Ctrl-C
+    ends it.
     """
+    log, start = as_log(world)
+    if log is not None:
+        of_runs = {
+            "--seed": seed, "--duration": duration, "--set": set_, "--listen": listen,
+            "--json": as_json or None,
+        }  # fmt: skip
+        given = [name for name, value in of_runs.items() if value]
+        show_log(log, start, Watched(address, not no_open, read_only), given, quiet=quiet)
     run_and_show(
         world,
         as_json=as_json,
@@ -87,3 +109,47 @@ def view(
         listen=listen,
         patience=patience,
     )
+
+
+PLACE = re.compile(r"(.+\.mcap)(?:#t=(\d+(?:\.\d+)?))?", re.IGNORECASE | re.DOTALL)
+"""A log, and from which second of it on, as in the page's links."""
+
+
+def as_log(name: str) -> tuple[Path | None, float]:
+    """A log's file and the second to begin at; None for what is a world."""
+    found = PLACE.fullmatch(name)
+    if found is None:
+        return None, 0.0
+    if Path(name).is_file():
+        return Path(name), 0.0
+    return Path(found[1]), float(found[2] or 0.0)
+
+
+def show_log(
+    path: Path, start: float, watched: Watched, given: list[str], *, quiet: bool
+) -> NoReturn:
+    """Show a log until somebody ends it, and exit. `given`: options that only a run can have."""
+    from sim.log.errors import LogError  # noqa: PLC0415
+
+    interrupts = Interrupts(again=leave)
+    code = 0
+    try:
+        if given:
+            raise UsageError(f"{given[0]}: {path} is a log of a run that is over")
+        with Screen(quiet) as screen:
+            from troupe.log import Log  # noqa: PLC0415 - `troupe --help` stays quick
+            from troupe.warm import warm_once  # noqa: PLC0415
+
+            log = Log(path)
+            warm_once(screen.say)
+            with watched.of_log(screen, log, start) as view:
+                interrupts.hold()
+                view.play(lambda: not interrupts.noted)
+    except (UsageError, LogError) as error:
+        print(printable_lines(str(error)), file=sys.stderr)
+        code = 2
+    except OSError as error:
+        print(printable_lines(told(error)), file=sys.stderr)
+        code = 2
+    interrupts.release()
+    raise typer.Exit(code)

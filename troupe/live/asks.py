@@ -14,7 +14,7 @@ FASTEST, SLOWEST = 1000.0, 0.01
 MOST_STEPS = 1000
 MOST_SELECTED = 8
 """Robots whose sensors and cards one page gets."""
-DOINGS = frozenset({"pause", "go", "step", "pace", "again", "put", "put_thing", "drive"})
+DOINGS = frozenset({"pause", "go", "step", "pace", "again", "put", "put_thing", "drive", "seek"})
 """What reaches into the run; a viewer that may only look on is refused it."""
 
 
@@ -30,7 +30,7 @@ class Ask:
     robot: int = -1
     """Index of a robot, or of a thing that can be pushed."""
     numbers: tuple[float, ...] = ()
-    """A pose x, y, yaw; a twist vx, vy, wz; a factor of the pace (empty: flat out)."""
+    """A pose x, y, yaw; a twist vx, vy, wz; a factor of the pace (empty: flat out); a time."""
     count: int = 1
     seed: int | None = None
     robots: tuple[int, ...] = ()
@@ -64,6 +64,8 @@ def parse_ask(text: str | bytes) -> Ask:
         case "again":
             seed = told.get("seed")
             return Ask("again", seed=None if seed is None else _whole(seed, 0, (1 << 53) - 1))
+        case "seek":
+            return Ask("seek", numbers=(_number(told.get("time")),))
         case "put" | "put_thing" as do:
             numbers = _three(told.get("pose"))
             return Ask(do, _whole(told.get("robot"), 0, 1 << 31), numbers)

@@ -18,17 +18,68 @@ from troupe.live.watch import Watch
 
 if TYPE_CHECKING:
     from sim.engine import Engine
+    from troupe.log import Log
 
 LOOK_AGAIN = 0.1
 """Wall-clock seconds between two looks at what is asked for after a run's end."""
 
 
-class LiveView:
-    """Serves the page as long as it is entered.
+class Served:
+    """The page, at an address that is told, as long as it is entered.
 
-    `host`, `port` (0: any free one): where. `paused`: the first run stands at its beginning.
-    `stays`: the page stays when the run is over, until `going_on()` is False. `again`: whether a
-    run may be begun again. Raises OSError, when it is entered, where the address cannot be had.
+    `host`, `port` (0: any free one): where. Raises OSError, when it is entered, where the address
+    cannot be had. `what`: what whoever knows the address can do.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        *,
+        browser: bool,
+        read_only: bool,
+        say: Callable[[str], None],
+        what: str = "watch the run and reach into it",
+        place: str = "",
+    ) -> None:
+        self.host, self.port = host, port
+        self.browser, self.say = browser, say
+        self.what = "watch" if read_only else what
+        self.place = place
+        self.exchange = Exchange()
+        self.server = LiveServer(self.exchange, read_only=read_only)
+
+    @property
+    def address(self) -> str:
+        """What a browser on this machine is to open."""
+        return self.server.address + self.place
+
+    def __enter__(self) -> Self:
+        self.server.open(self.host, self.port)
+        self.say(f"watch it at {self.address}")
+        if not is_loopback(self.host):
+            self.say(
+                f"the view listens on {self.host}: whoever reaches this address and knows "
+                f"its token can {self.what}; what goes there is not encrypted"
+            )
+        if self.browser and has_desktop():
+            threading.Thread(target=webbrowser.open, args=(self.address,), daemon=True).start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.server.close()
+
+
+class LiveView:
+    """Shows runs to browsers as long as it is entered: see `Served`.
+
+    `paused`: the first run stands at its beginning. `stays`: the page stays when the run is over,
+    until `going_on()` is False. `again`: whether a run may be begun again.
     """
 
     def __init__(
@@ -44,25 +95,14 @@ class LiveView:
         say: Callable[[str], None],
         warn: Callable[[str], None],
     ) -> None:
-        self.host, self.port = host, port
-        self.browser, self.stays = browser, stays
-        self.say, self.warn = say, warn
-        self.exchange = Exchange()
-        self.server = LiveServer(self.exchange, read_only=read_only)
+        self.stays = stays
+        self.say = say
+        self.served = Served(host, port, browser=browser, read_only=read_only, say=warn)
+        self.exchange, self.server = self.served.exchange, self.served.server
         self.watch = Watch(self.exchange, paused=paused, again=again)
 
     def __enter__(self) -> Self:
-        self.server.open(self.host, self.port)
-        address = self.server.address
-        self.warn(f"watch it at {address}")
-        if not is_loopback(self.host):
-            what = "watch" if self.server.read_only else "watch the run and reach into it"
-            self.warn(
-                f"the view listens on {self.host}: whoever reaches this address and knows "
-                f"its token can {what}; what goes there is not encrypted"
-            )
-        if self.browser and has_desktop():
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        self.served.__enter__()
         return self
 
     def __exit__(
@@ -71,7 +111,7 @@ class LiveView:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.server.close()
+        self.served.__exit__(kind, error, trace)
 
     def each_tick(self, engine: Engine) -> None:
         """To be called after every tick."""
@@ -92,6 +132,52 @@ class LiveView:
         seed = self.watch.restart if going_on() or self.watch.restart is not None else None
         self.watch.leave()
         return seed
+
+
+class LogView:
+    """Shows a log to browsers as long as it is entered, from second `start` of it on."""
+
+    def __init__(
+        self,
+        log: Log,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        *,
+        start: float = 0.0,
+        browser: bool = True,
+        read_only: bool = False,
+        warn: Callable[[str], None],
+    ) -> None:
+        """Raises LogError for a log of whose run nothing can be shown."""
+        from troupe.live.playing import Playing  # noqa: PLC0415 - a run needs nothing of it
+
+        self.served = Served(
+            host,
+            port,
+            browser=browser,
+            read_only=read_only,
+            say=warn,
+            what="watch, and say what the others see",
+            place=f"#t={start:g}" if start else "",
+        )
+        self.server = self.served.server
+        self.playing = Playing(log, self.served.exchange, start=start)
+
+    def __enter__(self) -> Self:
+        self.served.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.served.__exit__(kind, error, trace)
+
+    def play(self, going_on: Callable[[], bool]) -> None:
+        """Show the log until `going_on()` is False."""
+        self.playing.play(going_on)
 
 
 def has_desktop() -> bool:

@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.filming import backdrop_of
+from sim.showing import backdrop_of
 from sim.silhouette import silhouette
 from sim.video import palette
 from sim.view.moment import Scene
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
-    from sim.engine import Engine
 
 MOST_FANS = 32
 """Robots up to which the readings of all of them show; of more, those of who is selected."""
 
 
-def scene_of(engine: Engine, *, again: bool) -> Scene:
-    """The scene of a run; `again`: whether a page may have it begun again."""
-    loaded, floor = engine.loaded, engine.scenery.floor
+def scene_of(
+    loaded: LoadedWorld,
+    *,
+    seed: int,
+    duration: float,
+    again: bool,
+    stepped: bool = False,
+    log: Mapping[str, Any] | None = None,
+) -> Scene:
+    """The scene of a run; `again`: whether a page may have it begun again.
+
+    `stepped`: whether a program makes its steps, so that no page does. `log`: the time line of a
+    run that is over (see `timeline.py`).
+    """
     backdrop = backdrop_of(loaded)
     world = loaded.world
     about = {
@@ -34,11 +45,13 @@ def scene_of(engine: Engine, *, again: bool) -> Scene:
             {"shape": shape_of(movable.body), "color": movable.color}
             for movable in loaded.layout.movables
         ],
-        "floor": floor_of(loaded, floor.resolution),
-        "interval": engine.interval,
-        "duration": engine.settings.duration,
-        "seed": engine.settings.seed,
+        "floor": floor_of(loaded),
+        "interval": world.clock.interval,
+        "duration": duration,
+        "seed": seed,
         "again": again,
+        "stepped": stepped,
+        "log": log,
         "most_fans": MOST_FANS,
         "palette": {
             "tints": list(palette.TINTS),
@@ -52,8 +65,9 @@ def scene_of(engine: Engine, *, again: bool) -> Scene:
     return Scene(about, [*backdrop.marks, *backdrop.solids])
 
 
-def floor_of(loaded: LoadedWorld, resolution: float) -> dict[str, Any]:
+def floor_of(loaded: LoadedWorld) -> dict[str, Any]:
     """The cells of the paint layer."""
+    resolution = loaded.world.floor.resolution
     width, height = loaded.layout.size
     columns, rows = (max(1, int(np.ceil(side / resolution - 1e-9))) for side in (width, height))
     return {"resolution": resolution, "columns": columns, "rows": rows}

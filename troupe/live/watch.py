@@ -19,6 +19,7 @@ import numpy as np
 
 from sim.result import Touch
 from sim.view.moment import AWAITED, SETTLED, STALLED, TOUCHING, Moment, Robot
+from sim.view.present import ENDED
 from troupe.live.asks import Ask
 from troupe.live.exchange import Exchange
 from troupe.live.readings import Eyes, Shown
@@ -27,8 +28,6 @@ from troupe.live.scene import MOST_FANS, scene_of
 if TYPE_CHECKING:
     from sim.engine import Engine
 
-ENDED = frozenset({"finished", "failed", "hung", "lost"})
-"""States of a controller that drives nobody any more."""
 AWAITED_AFTER = 0.5
 """Wall-clock seconds of waiting after which a page tells for whom."""
 MOST_AWAITED = 5
@@ -42,12 +41,20 @@ class Watch:
     """Hands the engine's moments to the exchange, and obeys what comes back.
 
     `paused`: the world stands until somebody lets it go on. `again`: whether the run may be begun
-    again; then `restart` has the seed that was asked for.
+    again; then `restart` has the seed that was asked for. `stepped`: a program makes the steps.
     """
 
-    def __init__(self, exchange: Exchange, *, paused: bool = False, again: bool = True) -> None:
+    def __init__(
+        self,
+        exchange: Exchange,
+        *,
+        paused: bool = False,
+        again: bool = True,
+        stepped: bool = False,
+    ) -> None:
         self.exchange = exchange
         self.again = again
+        self.stepped = stepped
         self.restart: int | None = None
         self.hold: int | None = 0 if paused else None
         """The tick at which the world is to stand; None: nowhere."""
@@ -66,6 +73,8 @@ class Watch:
 
     def each_tick(self, engine: Engine) -> None:
         """Show where the run is, if somebody wants to know."""
+        if engine is not self._engine:
+            self._begin(engine)
         engine.context.held = self._stands(engine)
         if self.exchange.due:
             self._offer(engine)
@@ -134,7 +143,16 @@ class Watch:
 
         engine.server.watch(hearing, heard)
         self.exchange.wake = ring
-        self.exchange.show(scene_of(engine, again=self.again))
+        told = engine.settings
+        self.exchange.show(
+            scene_of(
+                engine.loaded,
+                seed=told.seed,
+                duration=told.duration,
+                again=self.again,
+                stepped=self.stepped,
+            )
+        )
         self._offer(engine)
 
     def _stands(self, engine: Engine) -> bool:
@@ -143,6 +161,9 @@ class Watch:
     # -- hands ------------------------------------------------------------------------------
 
     def _obey(self, engine: Engine, ask: Ask) -> None:
+        if self.stepped and ask.do in ("pause", "go", "step", "pace"):
+            self.exchange.tell("a program makes the steps of this run")
+            return
         match ask.do:
             case "pause":
                 if self.hold is None:
@@ -334,7 +355,7 @@ def may_drive(engine: Engine, robot: int) -> str | None:
         return "it has become a standing body, as its controller has ended"
     if driver.launched and driver.running:
         return "its controller drives it"
-    if driver.clocks:
+    if driver.driving:
         return "a client drives it"
     return None
 

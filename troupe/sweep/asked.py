@@ -8,7 +8,7 @@ from typing import Any
 
 from sim.worldfile.mistakes import Mistake
 from troupe.sweep.plan import Plan, make_plan
-from troupe.sweep.results import Each
+from troupe.sweep.results import Each, Judge
 from troupe.sweep.samplers import Sampler
 from troupe.sweep.seeds import Unusable, parse_seeds
 from troupe.sweep.spec import Spec, combinations, parse_setting
@@ -24,6 +24,7 @@ def asked_plan(
     table: Path | None,
     duration: float | None,
     each: Sequence[str],
+    judge: Sequence[str] = (),
     about: Mapping[str, Any],
 ) -> Plan:
     """The plan; raises Unusable with every mistake that was found, and UsageError.
@@ -61,8 +62,10 @@ def asked_plan(
         mistakes += error.mistakes
     if mistakes:
         raise Unusable(*mistakes)
-    functions = [Each(name, str(Path.cwd())) for name in (each or said.each)]
-    for one in functions:
+    here = str(Path.cwd())
+    functions = [Each(name, here) for name in (each or said.each)]
+    judges = tuple(Judge(name, here) for name in (judge or said.judge))
+    for one in (*functions, *judges):
         one.load()
     spec = Spec(
         named or said.worlds,
@@ -74,5 +77,8 @@ def asked_plan(
         said.duration if duration is None else duration,
     )
     return make_plan(
-        combinations(spec), spec.duration, {**about, "each": [vars(one) for one in functions]}
+        combinations(spec),
+        spec.duration,
+        {**about, "each": [vars(one) for one in functions]},
+        judges,
     )

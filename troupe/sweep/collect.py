@@ -14,7 +14,7 @@ from troupe.sweep.folder import load_plans, records, write_aside
 from troupe.sweep.lines import Line
 from troupe.sweep.plan import Plan
 from troupe.sweep.results import Each, added
-from troupe.sweep.rows import Row, columns, rows_of
+from troupe.sweep.rows import JUDGED, Row, columns, rows_of
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 class Tables:
     """What is in the folders.
 
-    `added` columns are those of functions; `missing` runs were asked for and have no record.
+    `added` columns are those of judges and functions; `missing` runs were asked for and have no
+    record.
     """
 
     plans: list[Plan]
@@ -50,7 +51,7 @@ def gather(folders: Sequence[Path], each: Sequence[Each] = ()) -> Tables:
     results, timings = rows_of(ordered, found)
     asked = [Each(**one) for plan in ordered for one in plan.about.get("each", ())]
     functions = [(one, one.load()) for one in dict.fromkeys([*asked, *each])]
-    names: dict[str, None] = {}
+    names = dict.fromkeys(key for row in results for key in row if key.startswith(JUDGED))
     if functions:
         for row in results:
             record = found[f"{row['hash']}-s{row['seed']}"].record
@@ -58,7 +59,7 @@ def gather(folders: Sequence[Path], each: Sequence[Each] = ()) -> Tables:
                 new = added(one, function, record)
                 taken = sorted(set(new) & set(row))
                 if taken:
-                    raise UsageError(f"--each {one.name}: there is a column {taken[0]} already")
+                    raise UsageError(f"{one}: there is a column {taken[0]} already")
                 row.update(new)
                 names |= dict.fromkeys(new)
     asked_for = {run.name for plan in ordered for run in plan.runs()}

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from sim.worldfile import nodes
 from sim.worldfile.files import rebased
 from sim.worldfile.nodes import ListNode, MappingNode, Node
 from sim.worldfile.programs import is_file_name
+from troupe.sweep.results import Judge
 from troupe.sweep.versions import versions
 
 LENGTH = 16
@@ -43,22 +44,33 @@ class Fingerprint:
         return all(stamp(Path(one[0])) == one for one in self.stamps)
 
 
-def fingerprint(loaded: LoadedWorld, duration: float) -> Fingerprint:
-    """The hash of a loaded world that is run for so many simulated seconds at most."""
+def fingerprint(loaded: LoadedWorld, duration: float, judges: Sequence[Judge] = ()) -> Fingerprint:
+    """The hash of a loaded world that is run for so many simulated seconds at most.
+
+    Runs that are judged are others than those that are not, or by other judges.
+    """
     files: set[Path] = {loaded.path.resolve()} | {
         Path(name).resolve() for name in sources_of(loaded.root) if Path(name).is_file()
     }
     data = rebased(nodes.plain(loaded.root), loaded.root, loaded.folder)
     for key in NO_MATTER:
         data.pop(key, None)
-    told = {
+    told: dict[str, Any] = {
         "world": with_contents(data, loaded.folder, files),
         "duration": duration,
         "versions": versions(),
     }
+    if judges:
+        told["judges"] = [[one.name, judge_digest(one, loaded.folder, files)] for one in judges]
     stamps = tuple(stamp(path) for path in sorted(files))
     text = json.dumps(told, sort_keys=True)
     return Fingerprint(hashlib.sha256(text.encode()).hexdigest()[:LENGTH], stamps)
+
+
+def judge_digest(judge: Judge, folder: Path, files: set[Path]) -> str:
+    """A digest of the file in which a judge stands, with the modules beside it that it imports."""
+    source = judge.source
+    return "" if source is None else digest_of(source.resolve(), folder, files)
 
 
 def stamp(path: Path) -> Stamp:

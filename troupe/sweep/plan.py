@@ -13,6 +13,7 @@ from sim.build import LoadedWorld, load
 from sim.worldfile import WorldError
 from sim.worldfile.mistakes import MOST_TOLD, Mistake
 from troupe.sweep.fingerprint import Fingerprint, fingerprint
+from troupe.sweep.results import Judge
 from troupe.sweep.seeds import parse_seeds, written
 from troupe.sweep.spec import Combination
 from troupe.usage import UsageError
@@ -31,6 +32,7 @@ class Point:
     settings: Mapping[str, Any]
     duration: float
     seeds: tuple[int, ...]
+    judges: tuple[Judge, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,9 @@ class Plan:
 
 
 def point_as_json(point: Point) -> dict[str, Any]:
+    judges = {"judges": [vars(one) for one in point.judges]} if point.judges else {}
     return {
+        **judges,
         "hash": point.hash,
         "world": point.world,
         "settings": dict(point.settings),
@@ -98,6 +102,7 @@ def plan_of_json(data: Mapping[str, Any]) -> Plan:
             one["settings"],
             one["duration"],
             tuple(parse_seeds(one["seeds"])),
+            tuple(Judge(**judge) for judge in one.get("judges", ())),
         )
         for one in data["points"]
     )
@@ -110,7 +115,10 @@ def as_settings(settings: Mapping[str, Any]) -> list[str]:
 
 
 def load_point(
-    world: str | Path, settings: Sequence[str], duration: float | None
+    world: str | Path,
+    settings: Sequence[str],
+    duration: float | None,
+    judges: Sequence[Judge] = (),
 ) -> tuple[LoadedWorld, Fingerprint, float]:
     """A combination's world, its fingerprint and how long its runs last at most.
 
@@ -130,7 +138,7 @@ def load_point(
     if mistakes:
         raise WorldError(mistakes)
     most = loaded.world.duration if duration is None else duration
-    return loaded, fingerprint(loaded, most), most
+    return loaded, fingerprint(loaded, most, judges), most
 
 
 def drivers(loaded: LoadedWorld) -> set[str]:
@@ -141,7 +149,10 @@ def drivers(loaded: LoadedWorld) -> set[str]:
 
 
 def make_plan(
-    asked: Sequence[Combination], duration: float | None, about: Mapping[str, Any]
+    asked: Sequence[Combination],
+    duration: float | None,
+    about: Mapping[str, Any],
+    judges: tuple[Judge, ...] = (),
 ) -> Plan:
     """Check every combination; raises UsageError with every mistake of all of them, each once.
 
@@ -157,7 +168,7 @@ def make_plan(
                 what = "a sweep reads its worlds many times: it must be a file"
                 raise WorldError([Mistake((), what, file=one.world)])
             paths[one.world] = str(path.resolve())
-            loaded, mark, most = load_point(path, as_settings(one.settings), duration)
+            loaded, mark, most = load_point(path, as_settings(one.settings), duration, judges)
         except WorldError as error:
             for mistake in error.mistakes:
                 found.setdefault(text_of(mistake), []).append(one)
@@ -165,7 +176,7 @@ def make_plan(
         seeds = (loaded.world.seed,) if one.seeds is None else one.seeds
         known = points.get(mark.hash)
         points[mark.hash] = (
-            Point(mark.hash, one.world, str(path.resolve()), one.settings, most, seeds)
+            Point(mark.hash, one.world, str(path.resolve()), one.settings, most, seeds, judges)
             if known is None
             else replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *seeds))))
         )

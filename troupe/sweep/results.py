@@ -1,4 +1,4 @@
-"""A kept result as the object that `troupe.run` gives, and functions of it that add columns."""
+"""A kept result as the object that `troupe.run` gives, and functions that add columns to it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from sim.result import DoorRecord, FloorRecord, Result, RobotRecord
 from troupe.usage import UsageError
@@ -60,12 +60,13 @@ class Each:
 
     name: str
     folder: str
+    option: ClassVar[str] = "--each"
 
-    def load(self) -> Callable[[Result], Any]:
+    def load(self) -> Callable[..., Any]:
         """The function; raises UsageError where there is none."""
         module_name, colon, function = self.name.rpartition(":")
         if not colon or not function.isidentifier() or not module_name:
-            raise UsageError(f"--each {self.name}: must be module:function, or FILE.py:function")
+            raise UsageError(f"{self}: must be module:function, or FILE.py:function")
         try:
             with first_place(self.folder):
                 if module_name.endswith(".py"):
@@ -77,12 +78,35 @@ class Each:
                     spec.loader.exec_module(module)
                 else:
                     module = importlib.import_module(module_name)
-            found: Callable[[Result], Any] = getattr(module, function)
+            found: Callable[..., Any] = getattr(module, function)
         except Exception as error:  # a module of the user's raises anything
-            raise UsageError(f"--each {self.name}: {type(error).__name__}: {error}") from None
+            raise UsageError(f"{self}: {type(error).__name__}: {error}") from None
         if not callable(found):
-            raise UsageError(f"--each {self.name}: is no function")
+            raise UsageError(f"{self}: is no function")
         return found
+
+    @property
+    def source(self) -> Path | None:
+        """The file that the function stands in, as far as it is known without loading it."""
+        module_name = self.name.rpartition(":")[0]
+        if module_name.endswith(".py"):
+            return Path(self.folder, module_name)
+        with first_place(self.folder):
+            try:
+                spec = importlib.util.find_spec(module_name)
+            except (ImportError, ValueError):
+                return None
+        return None if spec is None or spec.origin is None else Path(spec.origin)
+
+    def __str__(self) -> str:
+        return f"{self.option} {self.name}"
+
+
+@dataclass(frozen=True)
+class Judge(Each):
+    """A function of a run's evidence and its result, named in the same way."""
+
+    option: ClassVar[str] = "--judge"
 
 
 @contextmanager
@@ -95,7 +119,7 @@ def first_place(folder: str) -> Iterator[None]:
         sys.path.remove(folder)
 
 
-def added(each: Each, function: Callable[[Result], Any], record: Mapping[str, Any]) -> Any:
+def added(each: Each, function: Callable[..., Any], record: Mapping[str, Any]) -> Any:
     """The columns that a function adds to a record's row; raises UsageError.
 
     A mapping is several columns; any other value is one, of the function's name.
@@ -106,8 +130,13 @@ def added(each: Each, function: Callable[[Result], Any], record: Mapping[str, An
         value = function(result_of(record))
     except Exception as error:
         raise UsageError(
-            f"--each {each.name}: {type(error).__name__}: {error} (for the run {record['name']})"
+            f"{each}: {type(error).__name__}: {error} (for the run {record['name']})"
         ) from None
+    return columns_of(each, value)
+
+
+def columns_of(each: Each, value: Any) -> dict[str, Any]:
+    """What a function gave, as columns."""
     name = each.name.rpartition(":")[2]
     found = dict(value) if isinstance(value, Mapping) else {name: value}
     return {str(key): plain(one) for key, one in found.items()}

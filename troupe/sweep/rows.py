@@ -15,6 +15,9 @@ from troupe.sweep.plan import Plan
 MOST_ROBOTS = 32
 """Robots of a run up to which each has columns of its own for what it reported."""
 
+JUDGED = "judged."
+"""What the columns of judges begin with."""
+
 Row = dict[str, Any]
 
 
@@ -74,6 +77,7 @@ def flat(record: Mapping[str, Any]) -> Row:
     row["robots"] = len(robots)
     for key in ("distance", "contacts", "stalls"):
         row[key] = sum(one[key] for one in robots)
+    row |= {f"{JUDGED}{key}": value for key, value in record.get("judged", {}).items()}
     row |= {f"floor.{key}": value for key, value in record["floor"].items()}
     row |= {f"doors.{door['name']}.emitted": door["emitted"] for door in record["doors"]}
     reported: dict[str, dict[str, Any]] = {}

@@ -21,7 +21,17 @@ from troupe.sweep.spec import Row
 LARGEST = 100_000_000
 """Bytes of a table."""
 
-KEYS = ("worlds", "seeds", "parameters", "table", "samples", "sampling_seed", "duration", "each")
+KEYS = (
+    "worlds",
+    "seeds",
+    "parameters",
+    "table",
+    "samples",
+    "sampling_seed",
+    "duration",
+    "each",
+    "judge",
+)
 
 
 @dataclass
@@ -36,6 +46,7 @@ class FromFile:
     sampling_seed: int = 1
     duration: float | None = None
     each: tuple[str, ...] = ()
+    judge: tuple[str, ...] = ()
 
 
 def read_sweep_file(path: Path) -> FromFile:
@@ -69,14 +80,14 @@ def read_sweep_file(path: Path) -> FromFile:
     for key, value in data.items():
         if key not in KEYS:
             note(f"unknown key{suggestion(key, KEYS)}", key, at_key=True, allowed=", ".join(KEYS))
-        elif key in ("worlds", "each"):
+        elif key in ("worlds", "each", "judge"):
             names = value if isinstance(value, tuple) else (value,)
             if not names or not all(isinstance(name, str) and name for name in names):
                 note("must be texts", key)
             elif key == "worlds":
                 found.worlds = tuple(beside(name) for name in names)
             else:
-                found.each = names
+                setattr(found, key, names)
         elif key == "seeds":
             written = ",".join(str(one) for one in value) if isinstance(value, tuple) else value
             try:

@@ -18,6 +18,7 @@ from sim.fleet.fleet import Fleet
 from sim.run import run_world
 from sim.worldfile import WorldError
 from troupe.sweep.fingerprint import Fingerprint
+from troupe.sweep.judging import Judging, judges_of
 from troupe.sweep.plan import Run, as_settings, load_point
 from troupe.sweep.versions import machine
 
@@ -48,6 +49,7 @@ def task_of(run: Run, tries: int = 1) -> dict[str, Any]:
         "settings": dict(point.settings),
         "seed": run.seed,
         "duration": point.duration,
+        "judges": [vars(one) for one in point.judges],
         "tries": tries,
     }
 
@@ -63,7 +65,7 @@ class Worlds:
         known = self.ready.get(task["hash"])
         if known is None or not known[1].holds():
             settings = as_settings(task["settings"])
-            loaded, mark, _ = load_point(task["path"], settings, task["duration"])
+            loaded, mark, _ = load_point(task["path"], settings, task["duration"], judges_of(task))
             if mark.hash != task["hash"]:
                 raise Stale(f"{task['path']}: it, a file that it names or Troupe has been changed")
             known = self.ready[task["hash"]] = (loaded, mark)
@@ -128,7 +130,13 @@ def run(
             loaded = replace(loaded, world=world)
         settings = Settings(seed=task["seed"], duration=task["duration"])
         fleet = Fleet(show=said.append, waits=True)
-        result = run_world(loaded, settings, fleet=fleet, say=said.append)
+        judges = judges_of(task)
+        judging = Judging(judges) if judges else None
+        look = judging.each_tick if judging is not None else None
+        result = run_world(loaded, settings, fleet=fleet, say=said.append, each_tick=look)
+        if judging is not None and result.outcome != "interrupted":
+            found = {**result.as_json(), "judged": judging.columns(result)}
+            return found, result.outcome, reason_of(result)
     return result.as_json(), result.outcome, reason_of(result)
 
 

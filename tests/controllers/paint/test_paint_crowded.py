@@ -17,8 +17,8 @@ from controllers.paint.moves import look
 from controllers.paint.moves.twist import looks_at
 from controllers.paint.observe import observe
 from controllers.paint.task import task_of
-from tests.papers import paint_bench
-from tests.papers.paint_bench import run
+from troupe.testing.paint import bench
+from troupe.testing.paint.bench import run
 
 ROOM = rectangle(16.0, 21.0)
 CORNERS = np.array([(0.0, 0.0), (16.0, 0.0), (16.0, 21.0), (0.0, 21.0)])
@@ -199,7 +199,7 @@ def test_of_two_that_have_to_turn_beside_each_other_one_waits_for_the_other(
         command.finished = looks_at(brain.pose, look.UP)
         return command
 
-    monkeypatch.setattr(paint_bench, "step", turns)
+    monkeypatch.setattr(bench, "step", turns)
     outcome = run(
         np.array([(8.0, 8.0, 0.0), (8.3, 9.25, math.pi)]),
         lambda i: Settings(4),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from controllers.paint.geometry import Region, rectangle
 from controllers.paint.sight.localize import locate
 from controllers.paint.sight.scan import red_points
-from scripts.paint_scene import look
+from troupe.testing.paint.scene import look
 
 SHAPE = rectangle(16.0, 21.0)
 NOISE = 0.01  # m: standard deviation of a noisy laser's ranges

@@ -9,7 +9,8 @@ import pytest
 
 from controllers.paint.brain import Settings
 from controllers.paint.geometry import rectangle
-from tests.papers.paint_bench import expected_goals, random_starts, run
+from troupe.testing.paint.bench import random_starts, run
+from troupe.testing.paint.goals import expected_goals
 
 SIZE = (16.0, 21.0)
 

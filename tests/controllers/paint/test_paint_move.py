@@ -13,7 +13,8 @@ from controllers.paint.geometry import Pose, rectangle
 from controllers.paint.moves.look import row_places
 from controllers.paint.moves.room import Near, can_turn, may_turn
 from controllers.paint.sight.tracks import Track
-from tests.papers.paint_bench import overlap
+from troupe.testing.outlines import separation
+from troupe.testing.paint.bench import SQUARE
 
 ROOM = rectangle(16.0, 21.0)  # its corners are (0, 0) and (16, 21)
 TURNS = np.linspace(0.0, math.pi / 2, 46)  # of a square all there are, each 2 degrees
@@ -36,11 +37,11 @@ def test_who_may_turn_hits_nobody_that_is_out_of_view(
     track = _out_of_view(other_x, other_y)
     if not may_turn(ROOM, Pose(x, y, 0.0), [track], 1.5, Near(math.inf, math.inf)):
         return
-    others = TURNS if can_turn(ROOM, other_x, other_y) else [0.0]
-    for own in TURNS:
-        for heading in others:
-            one, other = np.array([x, y, own]), np.array([other_x, other_y, heading])
-            assert overlap(one, other) == 0.0
+    others = TURNS if can_turn(ROOM, other_x, other_y) else np.zeros(1)
+    own, heading = (turns.ravel() for turns in np.meshgrid(TURNS, others))
+    one = np.column_stack([np.full(len(own), x), np.full(len(own), y), own])
+    other = np.column_stack([np.full(len(own), other_x), np.full(len(own), other_y), heading])
+    assert separation(SQUARE, one, SQUARE, other).min() >= 0.0
 
 
 @given(st.floats(HALF + 0.01, 15.49))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from controllers.paint.sight.scan import see_robots
 from controllers.paint.sight.squares import Square, fit_square, may_be_one
 from controllers.paint.sight.tracks import LAG
-from scripts.paint_scene import REGION, look
+from troupe.testing.paint.scene import REGION, look
 
 robots = st.tuples(st.floats(1.0, 15.0), st.floats(1.0, 20.0), st.floats(-math.pi, math.pi))
 

@@ -12,9 +12,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from sensors.readings import Scans
-from sim.engine import Engine
-from troupe.running import run_file
+import troupe
 
 PROGRAM = """\
 from player import LaserProxy, PlayerClient, Position2dProxy, SimulationProxy, SpeechProxy
@@ -33,27 +31,21 @@ with PlayerClient() as robot:
 """
 
 
-def run_kept(world: Path, log: Path, **more: Any) -> tuple[Any, dict[str, np.ndarray]]:
-    """Run a world with a log; the run, and what the engine knew, tick by tick."""
+def run_kept(world: Path, log: Path, **more: Any) -> dict[str, np.ndarray]:
+    """Run a world with a log; what the simulation knew, tick by tick."""
     known: dict[str, list[np.ndarray]] = {"poses": [], "ranges": [], "odometry": []}
 
-    def look(engine: Engine) -> None:
-        known["poses"].append(engine.scenery.stage.poses.copy())
-        known["odometry"].append(engine.scenery.odometry.poses.copy())
-        readings = engine.scenery.suite.groups[0].readings
-        assert isinstance(readings, Scans)
-        known["ranges"].append(readings.ranges.astype(np.float32))
+    def look(simulation: troupe.Simulation) -> None:
+        known["poses"].append(simulation.poses)
+        known["odometry"].append(simulation.odometry)
+        known["ranges"].append(simulation.readings("laser").ranges.astype(np.float32))
 
-    done = run_file(
-        str(world), seed=None, duration=None, settings=[], realtime=None, listen=None,
-        patience=60.0, video=None, video_fps=None, video_speed=None, video_size=None,
-        say=lambda line: None, log=log, each_tick=look, **more,
-    )  # fmt: skip
-    return done, {name: np.array(rows) for name, rows in known.items()}
+    troupe.run(world, log=log, each_tick=look, **more)
+    return {name: np.array(rows) for name, rows in known.items()}
 
 
 @pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any, dict[str, np.ndarray]]:
+def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, np.ndarray]]:
     folder = tmp_path_factory.mktemp("kept")
     (folder / "mine.py").write_text(PROGRAM)
     (folder / "world.yaml").write_text(
@@ -68,9 +60,8 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any, dict[str,
         "  - {name: twotwo, model: rover, pose: [5, 5, 90], controller: wander}\n"
         "controllers: {mine: {program: ./mine.py}, wander: {program: wander}}\n"
     )
-    done, known = run_kept(folder / "world.yaml", folder / "run.mcap", log_sensors=["all"])
-    assert done.log_error is None
-    return folder / "run.mcap", done, known
+    known = run_kept(folder / "world.yaml", folder / "run.mcap", log_sensors=["all"])
+    return folder / "run.mcap", known
 
 
 def decoded(path: Path) -> dict[str, list[Any]]:
@@ -93,14 +84,14 @@ def judged(path: Path) -> dict[str, list[Any]]:
     return found
 
 
-Kept = tuple[Path, Any, dict[str, np.ndarray]]
+Kept = tuple[Path, dict[str, np.ndarray]]
 
 
 @pytest.mark.parametrize("read", [decoded, judged])
 def test_poses_scans_and_odometry_are_those_of_the_run(
     kept: Kept, read: Callable[[Path], dict[str, list[Any]]]
 ) -> None:
-    path, _, known = kept
+    path, known = kept
     found = read(path)
     states = np.array([message.poses for message in found["/troupe/state"]])
     assert states.tobytes() == known["poses"].tobytes()
@@ -118,23 +109,25 @@ def test_poses_scans_and_odometry_are_those_of_the_run(
 def test_both_readers_find_every_topic_and_its_messages(
     kept: Kept, read: Callable[[Path], dict[str, list[Any]]]
 ) -> None:
-    path, _, _ = kept
+    path, _ = kept
     found = read(path)
     assert set(found) == {
         "/clock", "/tf", "/map", "/rosout", "/troupe/state", "/troupe/walls", "/troupe/bodies",
+        "/troupe/last",
         "/troupe/entries", "/troupe/sensed", "/troupe/commands", "/troupe/said",
         "/troupe/properties",
         *(f"/{name}/{what}" for name in ("one", "twotwo")
           for what in ("scan", "range", "blobs", "odom", "cmd_vel")),
     }  # fmt: skip
-    assert len(found["/clock"]) == len(found["/tf"]) == 30
+    assert len(found["/tf"]) == 30
+    assert [message.clock.sec for message in found["/clock"]] == [0, 1, 2, 3]  # once a second
     assert len(found["/one/range"]) == 60  # two elements
     assert found["/troupe/said"][0].text == "\x1b[31mthree"
     assert found["/troupe/properties"][0].value == "7"
 
 
 def test_tf_is_within_a_tenth_of_a_millimetre_and_of_a_milliradian_of_the_poses(kept: Kept) -> None:
-    path, _, known = kept
+    path, known = kept
     for message, poses in zip(decoded(path)["/tf"], known["poses"], strict=True):
         for transform, (x, y, yaw) in zip(message.transforms, poses, strict=True):
             at, turn = transform.transform.translation, transform.transform.rotation
@@ -145,7 +138,7 @@ def test_tf_is_within_a_tenth_of_a_millimetre_and_of_a_milliradian_of_the_poses(
 
 
 def test_a_channels_messages_stand_in_the_order_of_time(kept: Kept) -> None:
-    path, _, _ = kept
+    path, _ = kept
     with path.open("rb") as file:
         for topic in ("/one/blobs", "/troupe/commands", "/one/range"):
             file.seek(0)

@@ -16,12 +16,10 @@ import pytest
 from mcap.reader import make_reader
 
 import troupe
-from sim.engine import Engine
 from sim.log.errors import LogError
 from sim.log.recover import recover
 from tests.patience import PATIENCE
 from tests.processes import environment
-from troupe.running import run_file
 
 DRIVE = """\
 from player import PlayerClient, Position2dProxy
@@ -33,14 +31,12 @@ with PlayerClient() as robot:
 """
 RUN = """\
 import sys, time
-from troupe.running import run_file
+import troupe
 
-def tell(engine):
-    print(engine.ticks, time.monotonic(), flush=True)
+def tell(simulation):
+    print(simulation.ticks, time.monotonic(), flush=True)
 
-run_file(sys.argv[1], seed=None, duration=1e6, settings=[], realtime=None, listen=None,
-    patience=60.0, video=None, video_fps=None, video_speed=None, video_size=None,
-    say=lambda line: None, log=sys.argv[2], each_tick=tell)
+troupe.run(sys.argv[1], duration=1e6, log=sys.argv[2], each_tick=tell)
 """
 
 
@@ -93,27 +89,6 @@ def test_after_kill_9_all_that_is_older_than_a_second_is_there(
     assert (ticks == range(1, len(ticks) + 1)).all()
 
 
-def stop_after(seconds: float, then: Callable[[], None]) -> Callable[[Engine], None]:
-    """A hook that calls `then` once, as soon as so much of the log is in the file."""
-    done = False
-
-    def look(engine: Engine) -> None:
-        nonlocal done
-        if not done and engine.time > seconds:
-            done = True
-            then()
-
-    return look
-
-
-def run_on(world: Path, log: Path, each_tick: Callable[[Engine], None], said: list[str]) -> object:
-    return run_file(
-        str(world), seed=None, duration=None, settings=[], realtime=None, listen=None,
-        patience=60.0, video=None, video_fps=None, video_speed=None, video_size=None,
-        say=said.append, log=log, each_tick=each_tick,
-    )  # fmt: skip
-
-
 def test_a_removed_log_ends_the_log_and_not_the_run(
     world_with: Callable[..., Path], tmp_path: Path
 ) -> None:
@@ -121,16 +96,16 @@ def test_a_removed_log_ends_the_log_and_not_the_run(
     folder.mkdir()
     log = folder / "run.mcap"
 
-    def remove() -> None:
-        log.unlink()
-        folder.rmdir()
+    def remove(simulation: troupe.Simulation) -> None:
+        if folder.exists() and simulation.time > 0.5:
+            log.unlink()
+            folder.rmdir()
 
     said: list[str] = []
-    done = run_on(world_with(DRIVE), log, stop_after(0.5, remove), said)
-    assert done.result.outcome == "completed"
-    assert done.log_error is not None
-    assert "has been removed" in done.log_error
-    assert said.count(done.log_error) == 1
+    with pytest.warns(RuntimeWarning, match="has been removed") as told:
+        result = troupe.run(world_with(DRIVE), log=log, each_tick=remove, say=said.append)
+    assert result.outcome == "completed"
+    assert said.count(str(told[0].message)) == 1
 
 
 FULL = """\

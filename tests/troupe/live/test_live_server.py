@@ -13,12 +13,14 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
+from typer.testing import CliRunner
 from watching import STILL, Viewer, Watched, watched
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import troupe
 from sim.view.frames import MOMENT, STATUS
 from tests.patience import PATIENCE
+from troupe.app import app
 from troupe.live.entrance import answer, known_host
 from troupe.view_option import told_apart
 
@@ -238,6 +240,22 @@ def test_an_address_that_cannot_be_had_is_bad_usage(address: str) -> None:
     assert done.returncode == 2, done.stderr
     assert address in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["wander", "--view", "no:where"],
+        ["--view", "no:where", "wander"],
+        ["wander", "--view=no:where"],
+        ["wander", "--view", "nowhere"],
+    ],
+)
+def test_an_address_that_is_none_is_named(words: list[str]) -> None:
+    done = CliRunner().invoke(app, ["run", *words, "--no-open"])
+    assert done.exit_code == 2
+    assert "must be HOST:PORT" in done.stderr
+    assert "where'" in done.stderr
 
 
 def test_an_address_behind_view_is_told_from_a_world() -> None:

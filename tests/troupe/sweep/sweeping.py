@@ -41,10 +41,17 @@ def driven_world(folder: Path, program: str) -> Path:
     return folder / "driven.yaml"
 
 
-def plan_of(world: Path, seeds: str, *settings: str, each: tuple[str, ...] = ()) -> Plan:
+def plan_of(
+    world: Path,
+    seeds: str,
+    *settings: str,
+    each: tuple[str, ...] = (),
+    judge: tuple[str, ...] = (),
+) -> Plan:
     return asked_plan(
-        [str(world)], seeds=seeds, settings=settings, table=None, duration=None, each=each, about={}
-    )
+        [str(world)], seeds=seeds, settings=settings, table=None, duration=None, each=each,
+        judge=judge, about={},
+    )  # fmt: skip
 
 
 def troupe(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:

@@ -104,22 +104,28 @@ export class Card {
     const { controller } = card, [kind, numbers] = card.command;
     const put = (name, text) => {
       const cell = this.rows.get(name);
-      if (cell.textContent !== text) cell.textContent = text;
+      cell.parentElement.hidden = text === null;   // a log has not all that a run knows
+      if (text !== null && cell.textContent !== text) cell.textContent = text;
     };
     put("model", printable(card.model));
     put("pose", pose(card.pose));
     put("twist", `${card.twist[0].toFixed(2)}, ${card.twist[1].toFixed(2)} m/s, ${degrees(card.twist[2])}/s`);
-    put("odometry", pose(card.odometry));
-    put("odometry error", `${metres(Math.hypot(card.error[0], card.error[1]), 3)}, ${degrees(card.error[2])}`);
+    put("odometry", card.odometry && pose(card.odometry));
+    put("odometry error", card.error &&
+      `${metres(Math.hypot(card.error[0], card.error[1]), 3)}, ${degrees(card.error[2])}`);
     put("command", `${kind} ${numbers.map((n) => n.toFixed(2)).join(", ")}`);
-    put("driven", `${metres(card.distance, 1)}${card.stalled ? ", stalled now" : ""}, ${card.stalls} stalls`);
+    const stalled = card.stalled ? "stalled now" : "";
+    put("driven", card.distance === null ? stalled || null
+      : `${metres(card.distance, 1)}${stalled && `, ${stalled}`}, ${card.stalls} stalls`);
     put("contacts", String(card.contacts));
     const ended = controller.error ? `: ${printable(controller.error, 400)}` : "";
-    put("controller", `${controller.kind}, ${controller.state}${ended}`);
+    const driver = [controller.kind, controller.state].filter(Boolean).join(", ");
+    put("controller", driver ? `${driver}${ended}` : null);
     const waited = controller.waited === null ? "" : `now ${controller.waited.toFixed(1)} s, `;
-    put("waits", `${waited}last ${(1000 * controller.last_wait).toFixed(1)} ms, ` +
+    put("waits", controller.last_wait === null ? null : `${waited}last ${(1000 * controller.last_wait).toFixed(1)} ms, ` +
       `longest ${(1000 * controller.longest_wait).toFixed(0)} ms`);
-    put("devices", card.devices.join(", ") || "none subscribed");
+    put("devices", controller.last_wait === null ? null
+      : card.devices.join(", ") || "none subscribed");
     const told = Object.entries(card.properties).map(
       ([key, value]) => `${printable(key, 40)}: ${printable(JSON.stringify(value), 80)}`);
     put("properties", told.join("; ") || "none");

@@ -33,21 +33,26 @@ export class Painter {
       canvas.width = width;
       canvas.height = height;
     }
-    const ink = inks(state.scene.palette, view.dark);
-    this.ground.draw(context, state, camera, ink, { ratio, grid: view.show.grid });
+    this.paint(context, state, camera, view, ratio);
+  }
+
+  /** The same on any context: `ratio` of its units are a pixel of the style sheet. */
+  paint(context, state, camera, view, ratio) {
+    const ink = inks(state.scene.palette, view.dark), grid = view.show.grid;
+    if (context === this.context) this.ground.draw(context, state, camera, ink, { ratio, grid });
+    else this.ground.trace(context, state, camera, ink, { ratio, grid });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    if (view.show.trails) this.#trails(state, camera, ink);
+    if (view.show.trails) this.#trails(context, state, camera, ink);
     drawReadings(context, state, camera, ink, view);
-    this.#things(state, camera, ink);
-    this.#robots(state, camera, ink);
-    this.#selected(state, camera, ink, view);
+    this.#things(context, state, camera, ink);
+    this.#robots(context, state, camera, ink);
+    this.#selected(context, state, camera, ink, view);
     drawSights(context, state, camera, ink, view, (robot) => this.reach(state, robot, camera));
-    this.#drawn(state, camera);
+    this.#drawn(context, state, camera);
     drawTexts(context, state, camera, ink, view, (robot) => this.reach(state, robot, camera));
   }
 
-  #trails(state, camera, ink) {
-    const { context } = this;
+  #trails(context, state, camera, ink) {
     context.lineWidth = 1.5;
     context.lineJoin = "round";
     state.trails.each(state.poses, (robot, points) => {
@@ -64,11 +69,11 @@ export class Painter {
     });
   }
 
-  #things(state, camera, ink) {
+  #things(context, state, camera, ink) {
     state.scene.things.forEach(({ shape, color }, k) => {
       if (3 * k >= state.things.length) return;
       const [x, y, yaw] = state.things.subarray(3 * k, 3 * k + 3);
-      const colors = coat(ink, color, null, false), { context } = this;
+      const colors = coat(ink, color, null, false);
       const made = this.shape(shape).at(camera.scale);
       context.beginPath();
       trace(context, made.outline, camera.column(x), camera.row(y), yaw);
@@ -81,7 +86,7 @@ export class Painter {
   }
 
   /** All bodies, batch by batch of one kind and coat: a thousand cost little more than ten. */
-  #robots(state, camera, ink) {
+  #robots(context, state, camera, ink) {
     const batches = new Map(), { poses } = state, margin = 60;
     for (let robot = 0; robot < state.count; robot++) {
       const column = camera.column(poses[3 * robot]), row = camera.row(poses[3 * robot + 1]);
@@ -98,11 +103,10 @@ export class Painter {
       }
       batch.places.push(column, row, poses[3 * robot + 2]);
     }
-    for (const { made, colors, places } of batches.values()) this.#batch(made, colors, places);
+    for (const { made, colors, places } of batches.values()) this.#batch(context, made, colors, places);
   }
 
-  #batch(made, colors, places) {
-    const { context } = this;
+  #batch(context, made, colors, places) {
     const path = (points) => {
       context.beginPath();
       for (let k = 0; k < places.length; k += 3) {
@@ -135,8 +139,7 @@ export class Painter {
   }
 
   /** A ring about who is selected, and about whom the world waits for or who stalls. */
-  #selected(state, camera, ink, view) {
-    const { context } = this;
+  #selected(context, state, camera, ink, view) {
     const ring = (robot, style, dash, gap) => {
       const reach = this.reach(state, robot, camera) + gap;
       context.beginPath();
@@ -168,8 +171,7 @@ export class Painter {
   }
 
   /** Figures of Player's graphics2d, in their robots' frames. */
-  #drawn(state, camera) {
-    const { context } = this;
+  #drawn(context, state, camera) {
     for (const { robot, kind, points, color, fill } of state.drawn) {
       const [x, y, yaw] = state.poses.subarray(3 * robot, 3 * robot + 3);
       const cos = Math.cos(yaw), sin = Math.sin(yaw);

@@ -84,6 +84,11 @@ function switches(part) {
   return { robot, sensor, x, y, yaw, parts: part.real(3 * k) };
 }
 
+function ways(part) {
+  const [marks, robots] = part.whole(2);
+  return Array.from({ length: marks }, () => part.real(3 * robots));
+}
+
 function paint(part) {
   const [k] = part.whole(1);
   return { firsts: part.whole(k), lengths: part.whole(k), owners: part.whole(k) };
@@ -107,4 +112,5 @@ const SECTIONS = {
   15: (m, part) => { m.drawn = part.json(); },
   16: (m, part) => { m.status = part.json(); },
   17: (m, part) => { m.cards = part.json(); },
+  18: (m, part) => { m.ways = ways(part); },
 };

@@ -29,55 +29,21 @@ export class Ground {
     context.drawImage(this.walls, 0, 0);
   }
 
+  /** The same on any context, line by line, where that one keeps them. */
+  trace(context, state, camera, ink, { ratio, grid }) {
+    floorOn(context, state.scene, camera, ink, ratio, grid);
+    if (state.paint) this.#paint(context, state, ink);
+    wallsOn(context, state.scene, camera, ratio);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+  }
+
   #render(scene, camera, ink, ratio, grid) {
     for (const canvas of [this.floor, this.walls]) {
       canvas.width = Math.round(camera.width * ratio);
       canvas.height = Math.round(camera.height * ratio);
     }
-    const [width, height] = scene.size, [x0, y0] = scene.low, x1 = x0 + width, y1 = y0 + height;
-    const floor = this.floor.getContext("2d"), pixel = 1 / camera.scale;
-    floor.fillStyle = css(ink.outside);
-    floor.fillRect(0, 0, this.floor.width, this.floor.height);
-    camera.apply(floor, ratio);
-    floor.fillStyle = css(ink.ground);
-    floor.fillRect(x0, y0, width, height);
-    if (grid) {
-      const step = STEPS.find((metres) => metres * camera.scale >= APART) ?? 1000;
-      floor.strokeStyle = css(ink.grid);
-      floor.lineWidth = pixel;
-      floor.beginPath();
-      for (const x of multiples(step, x0, x1)) line(floor, x, y0, x, y1);
-      for (const y of multiples(step, y0, y1)) line(floor, x0, y, x1, y);
-      floor.stroke();
-    }
-    for (const door of scene.doors) {
-      outline(floor, door.flat());
-      floor.fillStyle = css(mix(ink.ground, ink.soft_ink, 0.12));
-      floor.fill();
-      floor.strokeStyle = css(ink.soft_ink);
-      floor.lineWidth = pixel;
-      floor.stroke();
-    }
-    const walls = this.walls.getContext("2d");
-    camera.apply(walls, ratio);
-    const [left, bottom] = camera.metres(0, camera.height);
-    const [right, top] = camera.metres(camera.width, 0);
-    const colors = new Map();
-    for (const solid of scene.solids) {
-      const [x0, y0, x1, y1] = (solid.box ??= box(solid.points));
-      if (x1 < left || x0 > right || y1 < bottom || y0 > top) continue;
-      if (!colors.has(solid.color)) colors.set(solid.color, []);
-      colors.get(solid.color).push(solid.points);
-    }
-    for (const [color, shapes] of colors) {
-      walls.beginPath();
-      for (const points of shapes) outline(walls, points, true);
-      // A hair's breadth of the same colour closes the seams between blocks of a map.
-      walls.fillStyle = walls.strokeStyle = css(soften(color));
-      walls.lineWidth = 0.5 * pixel;
-      walls.fill();
-      walls.stroke();
-    }
+    floorOn(this.floor.getContext("2d"), scene, camera, ink, ratio, grid);
+    wallsOn(this.walls.getContext("2d"), scene, camera, ratio);
   }
 
   #paint(context, state, ink) {
@@ -107,6 +73,59 @@ export class Ground {
     // Row 0 lies lowest, and the context's y axis points up: the image stands as it should.
     context.imageSmoothingEnabled = false;
     context.drawImage(this.paint, ...state.scene.low, columns * resolution, rows * resolution);
+  }
+}
+
+/** Floor, grid and doors. */
+function floorOn(floor, scene, camera, ink, ratio, grid) {
+  const [width, height] = scene.size, [x0, y0] = scene.low, x1 = x0 + width, y1 = y0 + height;
+  const pixel = 1 / camera.scale;
+  floor.setTransform(1, 0, 0, 1, 0, 0);
+  floor.fillStyle = css(ink.outside);
+  floor.fillRect(0, 0, camera.width * ratio, camera.height * ratio);
+  camera.apply(floor, ratio);
+  floor.fillStyle = css(ink.ground);
+  floor.fillRect(x0, y0, width, height);
+  if (grid) {
+    const step = STEPS.find((metres) => metres * camera.scale >= APART) ?? 1000;
+    floor.strokeStyle = css(ink.grid);
+    floor.lineWidth = pixel;
+    floor.beginPath();
+    for (const x of multiples(step, x0, x1)) line(floor, x, y0, x, y1);
+    for (const y of multiples(step, y0, y1)) line(floor, x0, y, x1, y);
+    floor.stroke();
+  }
+  for (const door of scene.doors) {
+    outline(floor, door.flat());
+    floor.fillStyle = css(mix(ink.ground, ink.soft_ink, 0.12));
+    floor.fill();
+    floor.strokeStyle = css(ink.soft_ink);
+    floor.lineWidth = pixel;
+    floor.stroke();
+  }
+}
+
+/** What stands. */
+function wallsOn(walls, scene, camera, ratio) {
+  const pixel = 1 / camera.scale;
+  camera.apply(walls, ratio);
+  const [left, bottom] = camera.metres(0, camera.height);
+  const [right, top] = camera.metres(camera.width, 0);
+  const colors = new Map();
+  for (const solid of scene.solids) {
+    const [x0, y0, x1, y1] = (solid.box ??= box(solid.points));
+    if (x1 < left || x0 > right || y1 < bottom || y0 > top) continue;
+    if (!colors.has(solid.color)) colors.set(solid.color, []);
+    colors.get(solid.color).push(solid.points);
+  }
+  for (const [color, shapes] of colors) {
+    walls.beginPath();
+    for (const points of shapes) outline(walls, points, true);
+    // A hair's breadth of the same colour closes the seams between blocks of a map.
+    walls.fillStyle = walls.strokeStyle = css(soften(color));
+    walls.lineWidth = 0.5 * pixel;
+    walls.fill();
+    walls.stroke();
   }
 }
 

@@ -36,6 +36,12 @@ export class Hands {
 
   step() { this.ask({ do: "step", ticks: 1 }); }
 
+  /** A tick back; only a log has that. */
+  back() {
+    const { scene, tick } = this.page.state;
+    if (scene?.log) this.ask({ do: "seek", time: (tick - 1) * scene.interval });
+  }
+
   pace(factor) { this.ask({ do: "pace", factor }); }
 
   /** The next pace of the row, up (1) or down (-1). Beyond the row lies flat out. */
@@ -182,7 +188,7 @@ export class Hands {
   // -- keys
 
   #key(event) {
-    const typing = event.target.closest?.("input:not([type=checkbox]), textarea, select");
+    const typing = event.target.closest?.("input:not([type=checkbox]):not([type=range]), textarea, select");
     if (typing && event.key !== "Escape") return;
     if (event.metaKey || (event.ctrlKey && !event.key.startsWith("Arrow"))) return;
     const button = event.target.closest?.("button, input[type=checkbox], pre");
@@ -193,6 +199,7 @@ export class Hands {
     }
     const { page } = this, act = {
       p: () => this.toggle(), ".": () => this.step(),
+      "<": () => this.back(), ">": () => this.step(),
       "[": () => this.shift(-1), "]": () => this.shift(1),
       "{": () => this.pace(1), "}": () => this.pace(null),
       " ": () => page.camera.reset(page.state.scene),
@@ -216,7 +223,7 @@ export class Hands {
   /** Arrows drive; with Shift they move the robot, with Alt or without a robot the view. */
   #arrow(event) {
     const { camera, view, state } = this.page;
-    if (!state.scene) return false;
+    if (!state.scene || event.target.closest?.("input[type=range]")) return false;
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1],
                           ArrowDown: [0, -1] }[event.key];
     const robots = [...view.selected].filter((robot) => robot < state.count);

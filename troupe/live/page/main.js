@@ -6,10 +6,11 @@ import { inks } from "./colors.js";
 import { Painter } from "./draw.js";
 import { Hands } from "./hands.js";
 import { Link } from "./link.js";
-import { savePicture, savePoses } from "./save.js";
+import { savePicture, savePoses, saveSvg } from "./save.js";
 import { State } from "./state.js";
 import { Strip } from "./strip.js";
 import { printable } from "./texts.js";
+import { TimeLine, timeIn } from "./timeline.js";
 
 const find = (id) => document.getElementById(id);
 const MOST_LISTED = 500;
@@ -44,7 +45,9 @@ const page = {
 };
 
 const strip = new Strip(find);
-let unseen = 0, over = false;
+const line = new TimeLine(find, (time) => page.link.ask({ do: "seek", time }),
+                          (robot) => page.state.names[robot]);
+let unseen = 0, over = false, lined = true;
 
 page.link = new Link({
   open() { say("Connected."); },
@@ -64,14 +67,17 @@ page.link = new Link({
     const { scene } = page.state;
     scene.begun = performance.now();
     over = false;
-    page.view.readOnly = scene.read_only;
+    lined = false;
+    page.view.readOnly = scene.read_only || Boolean(scene.log);
     document.title = `${scene.title} · Troupe`;
     find("title").textContent = printable(scene.title, 80);
     find("seed").value = scene.seed;
     find("again").hidden = !scene.again || scene.read_only;
     for (const id of ["go", "step", "slower", "faster", "real", "flat"]) {
-      find(id).disabled = scene.read_only;
+      find(id).disabled = scene.read_only || scene.stepped;
     }
+    document.body.classList.toggle("log", Boolean(scene.log));
+    if (scene.log) goTo(location.hash);
     size();
     page.camera.reset(scene);
     if (page.view.selected.size) hands.select(page.view.selected);
@@ -81,6 +87,8 @@ page.link = new Link({
     unseen += 1;
     page.state.take(message, performance.now());
     if (message.entered) list();
+    if (!lined) line.begin(page.state.scene.log);   // once robots have names
+    lined = true;
     page.changed();
   },
 });
@@ -104,6 +112,8 @@ function frame(now) {
     const ink = inks(state.scene.palette, view.dark);
     card.show(state, view.selected.size ? [...view.selected].at(-1) : null, ink, view.selected.size);
     strip.show(state, view.dark ? "#7cc4ff" : "#0060a0", now);
+    line.show(state, ink);
+    place();
     buttons();
     page.drawn = state.moments;
   }
@@ -111,18 +121,32 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
+/** The address is a link to where a log stands. */
+function place() {
+  const { scene, status, time } = page.state, hash = `#t=${Number(time.toFixed(3))}`;
+  if (scene.log && status.paused && location.hash !== hash) history.replaceState(null, "", hash);
+}
+
+/** Go to the time of a link, if it has one. */
+function goTo(hash) {
+  const time = timeIn(hash);
+  if (time !== null) page.link.ask({ do: "seek", time });
+}
+
 function buttons() {
-  const { status } = page.state;
-  put(find("go"), status.paused ? "Go on" : "Pause");
+  const { status, scene } = page.state;
+  put(find("go"), !status.paused ? "Pause" : scene.log ? "Play" : "Go on");
   const pace = status.pace;
   put(find("pace"), pace === null || pace === undefined ? "flat out" : `${pace} ×`);
   const { state } = page;
   if (status.outcome) {
     over = true;
     say(`The run is over: ${status.outcome.replace("_", " ")}.`);
+  } else if (scene.log && state.time >= scene.log.until) {
+    say(`The end of the log: ${(scene.log.outcome ?? "the run was cut off").replace("_", " ")}.`);
   } else if (status.paused) say(`Paused at ${state.time.toFixed(2)} s, tick ${state.tick}.`);
   else if (status.waiting?.length) say(`Waiting for ${status.waiting[0][0]}.`);
-  else say("Running.");
+  else say(scene.log ? "Playing." : "Running.");
 }
 
 function put(box, text) {
@@ -167,6 +191,18 @@ find("faster").onclick = () => hands.shift(1);
 find("real").onclick = () => hands.pace(1);
 find("flat").onclick = () => hands.pace(null);
 find("picture").onclick = () => savePicture(page.canvas, `troupe-${page.state.time.toFixed(1)}`);
+find("svg").onclick = () => saveSvg(page, `troupe-${page.state.time.toFixed(1)}`);
+find("here").onclick = async () => {
+  page.link.ask({ do: "pause" });
+  const link = new URL(`#t=${Number(page.state.time.toFixed(3))}`, location.href).href;
+  history.replaceState(null, "", link);
+  try {
+    await navigator.clipboard.writeText(link);
+    say("The link is on the clipboard.");
+  } catch {
+    say("The link stands in the address bar.");
+  }
+};
 find("poses").onclick = () => savePoses(page.state, `troupe-${page.state.time.toFixed(1)}`);
 find("keys").onclick = () => page.help();
 find("looks").onclick = () => {
@@ -186,6 +222,7 @@ find("find").onsubmit = (event) => {
   if (robot >= 0) hands.select([robot]);
   else say("There is no robot of that name.");
 };
+window.addEventListener("hashchange", () => goTo(location.hash));
 if (innerWidth <= 720) find("layers").open = false;
 new ResizeObserver(size).observe(find("stage"));
 looks();

@@ -1,8 +1,22 @@
 // What can be kept: the picture, and the robots' poses as a world file has them.
 
+import { SvgContext } from "./svg.js";
+import { printable } from "./texts.js";
+
 /** The canvas as a PNG file. */
 export function savePicture(canvas, name) {
   canvas.toBlob((blob) => offer(blob, `${name}.png`), "image/png");
+}
+
+/** The scene as it is shown, as an SVG file. */
+export function saveSvg(page, name) {
+  offer(new Blob([svgOf(page)], { type: "image/svg+xml" }), `${name}.svg`);
+}
+
+export function svgOf({ painter, state, camera, view }) {
+  const context = new SvgContext(camera.width, camera.height, painter.context);
+  painter.paint(context, state, camera, view, 1);
+  return context.text(`${printable(state.scene.title, 80)}, ${state.time.toFixed(2)} s`);
 }
 
 /** The present poses, to be pasted into a world file: metres and degrees. */

@@ -42,6 +42,7 @@ export class State {
     this.#pace(message, now);
     this.time = message.time;
     this.tick = message.tick;
+    if (message.ways) this.trails.begin(message.ways, message.time);
     this.trails.mark(this.time, this.poses);
   }
 

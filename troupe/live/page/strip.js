@@ -16,10 +16,17 @@ export class Strip {
     find("waiting-box").hidden = waits.length === 0;
     put(find("waiting"), waits.join(", "));
     const paints = status.coverage !== null && status.coverage !== undefined;
-    for (const box of ["coverage-box", "coverages-box"]) find(box).hidden = !paints;
+    const { log } = state.scene, whole = log?.coverage ?? [];
+    find("speeds-box").hidden = Boolean(log);
+    find("coverage-box").hidden = !paints;
+    find("coverages-box").hidden = log ? whole.length < 2 : !paints;
     if (paints) put(find("coverage"), `${(100 * status.coverage).toFixed(1)} %`);
     if (now - this.drawn < 500) return;
     this.drawn = now;
+    if (log) {
+      spark(find("coverages"), whole, 1, ink, 1);
+      return;
+    }
     spark(find("speeds"), state.history, 1, ink);
     if (paints) spark(find("coverages"), state.history, 2, ink, 1);
   }

@@ -36,7 +36,7 @@ function names(context, state, camera, ink, view, reach, taken) {
 
 function speech(context, state, camera, ink, reach, taken) {
   const speaking = [...state.said].filter(
-    ([robot, { time, text }]) => robot < state.count && text.trim() && state.time - time < SPEECH);
+    ([robot, { time, text }]) => robot < state.count && text.trim() && time <= state.time && state.time - time < SPEECH);
   speaking.sort((a, b) => b[1].time - a[1].time);
   context.font = "12px system-ui, sans-serif";
   for (const [robot, { text }] of speaking.slice(0, MOST_BALLOONS)) {

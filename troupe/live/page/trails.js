@@ -18,6 +18,12 @@ export class Trails {
     while (this.marks.length > most) this.marks.shift();
   }
 
+  /** Time has jumped: these marks, (x, y, yaw) of all robots, led to where it is. */
+  begin(ways, time) {
+    this.marks = ways.slice(-LENGTH);
+    this.last = time;
+  }
+
   clear() {
     this.marks = [];
     this.last = -Infinity;
@@ -30,7 +36,7 @@ export class Trails {
     for (let robot = 0; robot < count; robot++) {
       const points = [];
       for (const mark of this.marks) {
-        if (mark.length > 3 * robot) points.push(mark[3 * robot], mark[3 * robot + 1]);
+        if (mark.length > 3 * robot && !Number.isNaN(mark[3 * robot])) points.push(mark[3 * robot], mark[3 * robot + 1]);
       }
       points.push(now[3 * robot], now[3 * robot + 1]);
       const moved = Math.hypot(points[0] - points.at(-2), points[1] - points.at(-1));

@@ -303,3 +303,13 @@ def test_a_bitmap_of_more_pixels_than_a_map_may_have_is_read_coarser(
     (tmp_path / "huge.pgm").write_bytes(b"P5 %d %d 255\n" % (columns, rows) + pixels.tobytes())
     got = world('model ( size [18 15 1] bitmap "huge.pgm" )\n' + ROBOT.format(x=-3))
     assert Driven(got).range() == pytest.approx(3.0, abs=0.25)
+
+
+def test_models_keep_their_names_and_none_is_a_robots(world) -> None:
+    got = world(
+        FLOOR + 'model ( name "crate 1" pose [5 0 0 0] size [1 1 1] )\n'
+        'model ( name "r" pose [5 3 0 0] size [0.2 0.2 0.2] gripper_return 1 )\n'
+        + ROBOT.format(x=0)
+    )
+    assert [one["name"] for one in got.data["obstacles"]] == ["crate_1", "r_2"]
+    assert any("is called r_2 here" in what for what in got.noted("differs", "text.world:3"))

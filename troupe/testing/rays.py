@@ -1,15 +1,26 @@
 """What sensors should read, by another method: every ray against every edge, in plain numpy.
 
-Nothing of the package is used: shapes are placed by complex multiplication, rays are intersected
-in the world's frame by Cramer's rule, circles by the quadratic formula.
+    things = things_at(evidence, tick=-1)
+    answer = scan(things, (x, y, heading), robot, bearings, max_range)
+    check_scan(answer, ranges, hits, max_range)
+
+Nothing of the sensors is used: shapes are placed by complex multiplication, rays are intersected
+in the world's frame by Cramer's rule, circles by the quadratic formula. All is as high as need be:
+who looks over low things leaves them out. Metres and radians.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from troupe.testing.evidence import Evidence
+    from troupe.testing.outlines import Outline
 
 Floats = npt.NDArray[np.float64]
 
@@ -20,8 +31,11 @@ ON = 1e-9
 
 
 @dataclass
-class World:
-    """Edges as complex a and b, circles as complex centre and radius, and their owners."""
+class Things:
+    """What can be seen: edges as complex a and b, circles as centre and radius, and their owners.
+
+    An owner is a number of one's own for one thing; a sensor does not see what its own robot is.
+    """
 
     a: list[complex] = field(default_factory=list)
     b: list[complex] = field(default_factory=list)
@@ -33,6 +47,7 @@ class World:
     """Owner, corners, and whether all but what lies within them is solid."""
 
     def polygon(self, owner: int, pose: Floats, vertices: Floats) -> None:
+        """A solid body: convex corners (k, 2) in its frame, counter-clockwise, at x, y, yaw."""
         corners = placed(pose, vertices)
         self.solid.append((owner, corners, False))
         self.a += list(corners)
@@ -40,6 +55,7 @@ class World:
         self.edge_owner += [owner] * len(corners)
 
     def segments(self, owner: int, pose: Floats, segments: Floats) -> None:
+        """Thin walls (k, 4): x, y of one end and of the other."""
         self.a += list(placed(pose, segments[:, :2]))
         self.b += list(placed(pose, segments[:, 2:]))
         self.edge_owner += [owner] * len(segments)
@@ -69,9 +85,39 @@ class World:
         return -1
 
     def circle(self, owner: int, pose: Floats, radius: float) -> None:
+        """A solid disc."""
         self.centre.append(complex(pose[0], pose[1]))
         self.radius.append(radius)
         self.circle_owner.append(owner)
+
+
+def things_at(evidence: Evidence, tick: int = -1) -> Things:
+    """All that can be seen at the end of a tick (an index of `evidence.times`).
+
+    Owners are the robots' indices; after them the obstacles that can be pushed, then what stands,
+    one by one, and last the boundary.
+    """
+    things, around = Things(), evidence.around
+    bodies = list(zip(evidence.outlines, evidence.poses[tick], strict=True))
+    if around.movables:
+        outlines = [outline for _, outline in around.movables]
+        bodies += zip(outlines, evidence.movable_poses[tick], strict=True)
+    bodies += [(thing.outline, thing.pose) for thing in around.standing]
+    for owner, (outline, pose) in enumerate(bodies):
+        if not np.isnan(pose[0]):
+            _add(things, owner, outline, pose)
+    if around.arena is not None:
+        ring, nowhere = around.arena, np.zeros(3)
+        things.segments(len(bodies), nowhere, np.hstack([ring, np.roll(ring, -1, axis=0)]))
+        things.inside(len(bodies), nowhere, ring, True)
+    return things
+
+
+def _add(things: Things, owner: int, outline: Outline, pose: Floats) -> None:
+    if isinstance(outline, float):
+        things.circle(owner, pose, outline)
+    else:
+        things.polygon(owner, pose, outline)
 
 
 def placed(pose: Floats, points: Floats) -> npt.NDArray[np.complex128]:
@@ -96,18 +142,18 @@ class Answer:
     lead: Floats
 
 
-def scan(world: World, origin: Floats, own: int, bearings: Floats, max_range: float) -> Answer:
-    """One sensor's scan: `origin` is x, y, heading in the world."""
+def scan(things: Things, origin: Floats, own: int, bearings: Floats, max_range: float) -> Answer:
+    """One sensor's scan: `origin` is x, y, heading in the things."""
     here = complex(origin[0], origin[1])
     ray = np.exp(1j * (origin[2] + bearings))
-    solid = world.within(here, own)
+    solid = things.within(here, own)
     if solid >= 0:
         return _zero(solid, len(bearings))
     low_t, high_t, sensitive, owners = [], [], [], []
-    a, b = np.array(world.a), np.array(world.b)
-    mine = np.array(world.edge_owner, int) != own
+    a, b = np.array(things.a), np.array(things.b)
+    mine = np.array(things.edge_owner, int) != own
     if mine.any():
-        owner = np.array(world.edge_owner, int)[mine]
+        owner = np.array(things.edge_owner, int)[mine]
         start, edge = (a - here)[mine], (b - a)[mine]
         nearest = np.clip(-_dot(start, edge) / np.abs(edge) ** 2, 0.0, 1.0)
         touching = np.abs(start + nearest * edge) <= ON
@@ -130,11 +176,11 @@ def scan(world: World, origin: Floats, own: int, bearings: Floats, max_range: fl
         with np.errstate(divide="ignore"):
             sensitive.append(np.abs(edge)[:, None] / np.abs(across))
         owners.append(owner)
-    circles = np.array(world.circle_owner, int) != own
+    circles = np.array(things.circle_owner, int) != own
     if circles.any():
-        owner = np.array(world.circle_owner, int)[circles]
-        centre = np.array(world.centre)[circles] - here
-        radius = np.array(world.radius)[circles]
+        owner = np.array(things.circle_owner, int)[circles]
+        centre = np.array(things.centre)[circles] - here
+        radius = np.array(things.radius)[circles]
         half_b = _dot(centre[:, None], ray[None])
         root = half_b**2 - (np.abs(centre) ** 2 - radius**2)[:, None]
         with np.errstate(invalid="ignore"):
@@ -170,7 +216,7 @@ def scan(world: World, origin: Floats, own: int, bearings: Floats, max_range: fl
 
 
 def cone(
-    world: World, origin: Floats, own: int, fov: float, max_range: float
+    things: Things, origin: Floats | Sequence[float], own: int, fov: float, max_range: float
 ) -> tuple[float, float]:
     """The nearest point in a cone, if the cone is CORNER wider and narrower: (low, high).
 
@@ -181,11 +227,11 @@ def cone(
     turn = np.exp(1j * origin[2])
     here = complex(origin[0], origin[1])
     sides = np.exp(np.array([0.5j, -0.5j]) * fov)
-    if world.within(here, own) >= 0:
+    if things.within(here, own) >= 0:
         return 0.0, 0.0
     free: list[complex] = []  # points that may lie in the cone
     crossing: list[complex] = []  # points that lie on a side of it
-    for a, b, owner in zip(world.a, world.b, world.edge_owner, strict=True):
+    for a, b, owner in zip(things.a, things.b, things.edge_owner, strict=True):
         if owner == own:
             continue
         start, edge = (a - here) / turn, (b - a) / turn
@@ -197,7 +243,9 @@ def cone(
             across = _cross(side, edge)
             if across != 0 and 0 <= _cross(start, side) / across <= 1:
                 crossing.append(side * (_cross(start, edge) / across))
-    for centre, radius, owner in zip(world.centre, world.radius, world.circle_owner, strict=True):
+    for centre, radius, owner in zip(
+        things.centre, things.radius, things.circle_owner, strict=True
+    ):
         if owner == own:
             continue
         c = (centre - here) / turn

@@ -1,7 +1,4 @@
-"""A bench for Paint without physics: square bodies that move as told, exact lasers and blobs.
-
-It judges by geometry of its own: overlaps of squares and the order by height.
-"""
+"""A bench for Paint without physics: square bodies that move as told, exact lasers and blobs."""
 
 from __future__ import annotations
 
@@ -19,14 +16,14 @@ from controllers.paint.cycle import step
 from controllers.paint.geometry import Pose
 from sensors.rays import bearings_of, cast
 from sensors.scene import Scene
+from troupe.testing.evidence import Evidence, Surroundings
+from troupe.testing.paint.goals import SAME_HEIGHT
+from troupe.testing.ranks import passings
+from troupe.testing.touching import contacts
 
-INSET = 0.6  # m
 INTERVAL = 0.1  # s
 ACCELERATION = 2.0  # m/s2
 TURN_ACCELERATION = math.radians(360.0)
-SAME_HEIGHT = 0.01
-"""Robots that start level may exchange heights by less (m): the odometry's rounding, the drive's
-last centimetre, and which of them is told first to go."""
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 RED, GREEN = 0xFF0000, 0x00FF00
 
@@ -52,48 +49,6 @@ class Outcome:
     contacts: int = 0
     swaps: int = 0
     said: list[list[tuple[float, str]]] = field(default_factory=list)
-
-
-def corners_of(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The corners (4, 2) of a body in the world."""
-    cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    corners: NDArray[np.float64] = SQUARE @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
-    return corners
-
-
-def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """How deep two squares overlap (m): the least over the axes that could part them."""
-    if np.hypot(*(one[:2] - other[:2])) > 1.4143:
-        return 0.0
-    a, b = corners_of(one), corners_of(other)
-    least = math.inf
-    for heading in (one[2], one[2] + math.pi / 2, other[2], other[2] + math.pi / 2):
-        axis = np.array([math.cos(heading), math.sin(heading)])
-        pa, pb = a @ axis, b @ axis
-        least = min(least, min(pa.max(), pb.max()) - max(pa.min(), pb.min()))
-    return max(0.0, float(least))
-
-
-def walls_of(region: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Unit inward normals (k, 2) and offsets (k,) of the walls of a region, counter-clockwise."""
-    edges = np.roll(region, -1, axis=0) - region
-    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]
-    return normals, np.sum(normals * region, axis=1)
-
-
-def touching(
-    poses: NDArray[np.float64], normals: NDArray[np.float64], offsets: NDArray[np.float64]
-) -> set[tuple[int, int]]:
-    """Which of the bodies at poses (n, 3) overlap: pairs, a wall counts as body n."""
-    count = len(poses)
-    corners = np.array([corners_of(pose) for pose in poses])
-    in_wall = (corners @ normals.T < offsets - 1e-9).any(axis=(1, 2))
-    found = {(int(i), count) for i in np.flatnonzero(in_wall)}
-    gaps = np.hypot(*(poses[:, None, :2] - poses[None, :, :2]).transpose(2, 0, 1))
-    for i, j in np.argwhere(np.triu(gaps < 1.4143, 1)).tolist():
-        if overlap(poses[i], poses[j]) > 0.0:
-            found.add((i, j))
-    return found
 
 
 def blobs_of(colors: NDArray[np.int64]) -> list[Blob]:
@@ -142,13 +97,12 @@ def run(
     )
     outcome.said = [[] for _ in starts]
     outcome.finished = [ranks is not None and i >= len(ranks) for i in range(count)]
-    order, level = ranked(starts)
+    times: list[float] = []
+    ways: list[NDArray[np.float64]] = []
     own = np.arange(1, count + 1)
     fov = math.pi
     bearings = bearings_of(fov, 180)
     palette = np.array([0, RED, *[GREEN] * count], np.int64)
-    touched: set[tuple[int, int]] = set()
-    walls = walls_of(region)
     tick = 0
     while tick * INTERVAL < duration and not all(
         f or e for f, e in zip(outcome.finished, outcome.failures, strict=True)
@@ -179,13 +133,21 @@ def run(
             poses[:, 0] += (cos * velocity[:, 0] - sin * velocity[:, 1]) * 0.02
             poses[:, 1] += (sin * velocity[:, 0] + cos * velocity[:, 1]) * 0.02
             poses[:, 2] += velocity[:, 2] * 0.02
-        before, touched = touched, touching(poses, *walls)
-        outcome.contacts += len(touched - before)
-        heights = poses[order, 1]
-        if (heights[1:] < heights[:-1] - np.where(level, SAME_HEIGHT, 0.0)).any():
-            outcome.swaps += 1
+        times.append(time + INTERVAL)
+        ways.append(poses.copy())
         tick += 1
     outcome.time = tick * INTERVAL
+    width, height = region.max(axis=0).tolist()
+    seen = Evidence(
+        [f"robot {i}" for i in range(count)],
+        [SQUARE] * count,
+        starts,
+        np.array(times),
+        np.array(ways).reshape(-1, count, 3),
+        Surroundings((width, height), region),
+    )
+    outcome.contacts = len(contacts(seen))
+    outcome.swaps = len(passings(seen, level=LEVEL, give=SAME_HEIGHT))
     return outcome
 
 
@@ -221,34 +183,3 @@ def random_starts(
             break
     yaw = rng.choice(np.array(headings), count)
     return np.column_stack([xy, yaw])
-
-
-def ranked(
-    starts: NDArray[np.float64],
-) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The order by rank (n,) of starts (n, 3), lowest first, and who is level with the next (n-1,).
-
-    The paper's ties: x decides between equal heights. Those are equal that no robot can tell apart,
-    which differ by less than LEVEL.
-    """
-    by_height = np.argsort(starts[:, 1], kind="stable")
-    level = np.diff(starts[by_height, 1]) < LEVEL
-    row = np.concatenate([[0], np.cumsum(~level)])
-    return by_height[np.lexsort((starts[by_height, 0], row))], level
-
-
-def expected_goals(
-    starts: NDArray[np.float64], low: Sequence[float], high: Sequence[float]
-) -> NDArray[np.float64]:
-    """The goals (n, 2) in a rectangle from `low` to `high` that the paper gives, from true starts.
-
-    P: its strip's lower left corner, N: the upper right one, each INSET further in, in both axes.
-    """
-    height = (high[1] - low[1]) / len(starts)
-    goals = np.zeros((len(starts), 2))
-    for place, i in enumerate(ranked(starts)[0]):
-        if math.cos(starts[i, 2]) > 0.0:
-            goals[i] = low[0] + INSET, low[1] + place * height + INSET
-        else:
-            goals[i] = high[0] - INSET, low[1] + (place + 1) * height - INSET
-    return goals

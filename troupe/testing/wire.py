@@ -1,16 +1,17 @@
-"""A scripted client that speaks Player's protocol from the fact sheet alone, on a plain socket.
+"""A scripted client that speaks Player's protocol by itself, on a plain socket.
 
 It knows nothing of our packages: numbers, layouts and rules are written out again, so that a
-mistake in them is not made twice alike.
+mistake in them is not made twice alike. What is not as it should be is an AssertionError.
 """
 
 from __future__ import annotations
 
 import socket
 import struct
-from typing import Any, NamedTuple, Self
+from dataclasses import dataclass
+from typing import Any, Self
 
-from tests.patience import PATIENCE
+from troupe.testing.patience import PATIENCE
 
 DATA, CMD, REQ, ACK, SYNCH, NACK = 1, 2, 3, 4, 5, 6
 PLAYER, POSITION2D, SONAR, LASER, BLOBFINDER, FIDUCIAL = 1, 4, 5, 6, 7, 10
@@ -22,7 +23,8 @@ HEADER = struct.Struct(">IIIIIIdII")
 BANNER_SIZE = 32
 
 
-class Got(NamedTuple):
+@dataclass(frozen=True)
+class Got:
     """One message of the server's."""
 
     host: int
@@ -97,8 +99,11 @@ class RawClient:
 
     def receive(self) -> Got:
         """The next message."""
-        *head, size = HEADER.unpack(self.exactly(HEADER.size))
-        return Got(*head, self.exactly(size))
+        host, robot, interf, index, type_, subtype, time, seq, size = HEADER.unpack(
+            self.exactly(HEADER.size)
+        )
+        payload = self.exactly(size)
+        return Got(host, robot, interf, index, type_, subtype, time, seq, payload)
 
     def send(self, *data: bytes) -> None:
         self.socket.sendall(b"".join(data))

@@ -1,0 +1,120 @@
+"""What robots perceive of a world: all that stands and moves, and the sensors that look at it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensors.eyes import eyes
+from sensors.noise import random_color
+from sensors.scene import Scene
+from sensors.suite import Suite
+from sim.stage.geometry import faces
+from sim.worldfile.values import RANDOM
+
+if TYPE_CHECKING:
+    from sim.stage.layout import Layout
+    from sim.worldfile.schema import Model
+
+Floats = NDArray[np.float64]
+
+
+class Surroundings:
+    """The sensors' scene of a world, and the sensors of its robots, by robot index.
+
+    What is perceived follows from where all stand, the seed and the tick alone: whoever has these
+    perceives what the run's robots did.
+    """
+
+    def __init__(self, layout: Layout, seed: int) -> None:
+        self.scene = Scene()
+        self.suite = Suite(self.scene, seed)
+        self.count = 0
+        """Robots that have entered."""
+        self._entities: NDArray[np.int64] = np.zeros(8, np.int64)  # with room for more robots
+        self._add_walls(layout)
+        self.movables = np.array(
+            [
+                self._add_body(movable.body, movable.body.fiducial or 0, movable.pose)
+                for movable in layout.movables
+            ],
+            np.int64,
+        )
+        for landmark in layout.landmarks:
+            self._add_body(landmark.body, landmark.body.fiducial, landmark.pose)
+
+    def add_robot(self, name: str, model: Model, pose: Any) -> int:
+        """A robot enters: what others see of it, and its sensors. Its entity in the scene."""
+        body = model.body
+        color = random_color(self.suite.seed, name) if body.color == RANDOM else body.color
+        entity = self._add_body(body, model.fiducial or 0, pose, color)
+        if self.count == len(self._entities):
+            self._entities = np.concatenate([self._entities, np.zeros_like(self._entities)])
+        self._entities[self.count] = entity
+        self.count += 1
+        self.suite.add_robot(entity, name, model.sensors)
+        return entity
+
+    @property
+    def entities(self) -> NDArray[np.int64]:
+        """(n,) the entity in the scene of each robot."""
+        return self._entities[: self.count]
+
+    def sensors_of(self, robot: int) -> int:
+        """How many sensors a robot has."""
+        firsts = [*self.suite.first_slot[robot : robot + 2], self.suite.slots]
+        return firsts[1] - firsts[0]
+
+    def refresh(self, poses: Floats, movable_poses: Floats) -> None:
+        """What can be seen is where it is now: poses of robots (n, 3) and of movables (m, 3)."""
+        if self.count:
+            self.scene.move(self.entities, poses)
+        if len(self.movables):
+            self.scene.move(self.movables, movable_poses)
+        self.scene.refresh()
+
+    def _add_walls(self, layout: Layout) -> None:
+        """One entity for what stands and looks alike."""
+        scene, entities = self.scene, {}
+        rounds = [
+            (solid, solid.circle)
+            for solid in layout.solids
+            if solid.circle is not None and not solid.landmark
+        ]
+        for look in dict.fromkeys([*layout.looks, *(solid.look for solid, _ in rounds)]):
+            entities[look] = scene.add_entity(
+                color=look.color,
+                height=look.height,
+                solid=look.solid,
+                seen_by=look.seen_by,
+                bottom=look.z,
+            )
+        for number, look in enumerate(layout.looks):
+            scene.add_segments(entities[look], layout.segments[layout.segment_looks == number])
+        for solid in layout.insides:
+            scene.add_solid(entities[solid.look], solid.vertices)
+        for solid, (x, y, radius) in rounds:
+            scene.add_circle(entities[solid.look], radius, (x, y))
+
+    def _add_body(self, body: Any, fiducial: int, pose: Any, color: int | None = None) -> int:
+        """A body of the schema that sensors see, with a fiducial or 0; its entity.
+
+        color: 0xRRGGBB, in place of the body's own.
+        """
+        entity = self.scene.add_entity(
+            color=body.color if color is None else color,
+            height=body.height,
+            fiducial=fiducial,
+            pose=tuple(map(float, pose)),
+            solid=body.solid,
+            seen_by=eyes(body.seen_by),
+            bottom=body.z,
+        )
+        for vertices, circle in faces(body):
+            if circle is not None:
+                self.scene.add_circle(entity, circle[2], circle[:2])
+            else:
+                self.scene.add_polygon(entity, vertices)
+        return entity
