@@ -10,7 +10,7 @@ import numpy.typing as npt
 from .eyes import EVERY_EYE
 from .grid import HOLLOW, Flags, Floats, Ints
 from .outlines import Outline, outline_of, polygon_of
-from .sight import Outlines, Seen, Sight, Standing
+from .sight import Outlines, Seen, Sight, Standing, stand
 
 Colors = npt.NDArray[np.uint32]
 Levels = npt.NDArray[np.uint8]
@@ -297,30 +297,5 @@ class Scene:
         self._wall_poses = self._poses[self._wall_entities].copy()
         if not np.isfinite(self._wall_poses).all():
             raise ValueError("the pose of a wall is not finite")
-        placed, owners = [np.empty((0, 4))], [np.empty(0, np.int64)]
-        for entity, lines in self._walls:
-            if self._hidden[entity]:
-                continue
-            start, end = self._placed(entity, lines[:, :2]), self._placed(entity, lines[:, 2:])
-            long = (start != end).any(axis=1)
-            placed.append(np.hstack([start, end - start])[long])
-            owners.append(np.full(int(long.sum()), entity, np.int64))
-        whose = np.concatenate(owners)
-        self._standing = Standing(
-            np.concatenate(placed),
-            whose,
-            self._hollow[whose],
-            [
-                (entity, self._placed(entity, vertices), hollow)
-                for entity, vertices, hollow in self._solids
-                if not self._hidden[entity]
-            ],
-        )
+        self._standing = stand(self._walls, self._solids, self._poses, self._hidden, self._hollow)
         self._walls_stale = False
-
-    def _placed(self, entity: int, points: Floats) -> Floats:
-        """Points (k, 2) of an entity's frame in the world."""
-        x, y, heading = self._poses[entity]
-        cos, sin = np.cos(heading), np.sin(heading)
-        placed: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
-        return placed

@@ -7,6 +7,7 @@ same whatever it does not see.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,43 @@ class Standing(NamedTuple):
     owners: Ints
     sheets: Flags
     pieces: list[tuple[int, Floats, bool]]
+
+
+def stand(
+    walls: Sequence[tuple[int, Floats]],
+    solids: Sequence[tuple[int, Floats, bool]],
+    poses: Floats,
+    hidden: Flags,
+    hollow: Flags,
+) -> Standing:
+    """Walls and what lies within them where their entities are; `hidden` ones are left out.
+
+    walls: entities with segments (m, 4) in their frames; solids: entities with corners (k, 2) and
+    whether all but what they hold is solid.
+    """
+    placed, owners = [np.empty((0, 4))], [np.empty(0, np.int64)]
+    for entity, lines in walls:
+        if hidden[entity]:
+            continue
+        start, end = _placed(poses[entity], lines[:, :2]), _placed(poses[entity], lines[:, 2:])
+        long = (start != end).any(axis=1)
+        placed.append(np.hstack([start, end - start])[long])
+        owners.append(np.full(int(long.sum()), entity, np.int64))
+    whose = np.concatenate(owners)
+    pieces = [
+        (entity, _placed(poses[entity], vertices), outside)
+        for entity, vertices, outside in solids
+        if not hidden[entity]
+    ]
+    return Standing(np.concatenate(placed), whose, hollow[whose], pieces)
+
+
+def _placed(pose: Floats, points: Floats) -> Floats:
+    """Points (k, 2) of the frame at a pose in the world."""
+    x, y, heading = pose
+    cos, sin = np.cos(heading), np.sin(heading)
+    placed: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
+    return placed
 
 
 class Sight:

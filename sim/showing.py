@@ -16,7 +16,7 @@ from sim.video.snapshot import Backdrop, Drawing, Shape
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
-    from sim.stage.layout import Look
+    from sim.stage.standing import Look
 
 PALE = 0.6
 """The share of the ground's colour in that of things which robots can drive over or under."""

@@ -17,7 +17,8 @@ from sim.log.moment import Event
 from sim.stage.geometry import outline, pieces
 
 if TYPE_CHECKING:
-    from sim.stage.layout import Layout, Look
+    from sim.stage.layout import Layout
+    from sim.stage.standing import Look
 
 CUBE, CYLINDER, TRIANGLES = 1, 3, 11
 """visualization_msgs/Marker's numbers of kinds."""

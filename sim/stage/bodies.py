@@ -21,9 +21,9 @@ import numpy as np
 import pymunk
 
 from sim.stage.geometry import Floats, girth, outline, pieces, reach, signed_area
-from sim.stage.layout import Solid
 from sim.stage.levels import EVERY_LEVEL
 from sim.stage.limits import SLOP
+from sim.stage.standing import Solid
 
 GRAVITY = 9.81
 """m/s2; only friction with the floor knows it."""

@@ -15,8 +15,9 @@ import numpy as np
 from sim.stage.geometry import Floats, pieces, placed, reach, separation
 
 if TYPE_CHECKING:
-    from sim.stage.layout import DoorCell, Layout
+    from sim.stage.layout import Layout
     from sim.stage.stage import Stage
+    from sim.stage.standing import DoorCell
     from sim.worldfile.schema import Model
 
 TOUCH = 1e-6

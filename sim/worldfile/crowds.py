@@ -10,7 +10,7 @@ from typing import Any
 from sim.worldfile.mistakes import Mistake
 from sim.worldfile.robots import RobotSpec
 from sim.worldfile.schema import Body, Model
-from sim.worldfile.shapes import Box, BoxPart, Circle, CirclePart, Compound
+from sim.worldfile.shapes import BoxShape, CircleShape, Compound
 
 
 def crowd_mistakes(
@@ -55,9 +55,9 @@ def _area(body: Body, around: float) -> float:
 
 
 def _area_of(body: Any, around: float) -> float:
-    if isinstance(body, (Circle, CirclePart)):
+    if isinstance(body, CircleShape):
         return pi * (body.radius + around) ** 2
-    if isinstance(body, (Box, BoxPart)):
+    if isinstance(body, BoxShape):
         length, width = body.size
         area, outline = length * width, 2 * (length + width)
     else:

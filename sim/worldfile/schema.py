@@ -381,13 +381,6 @@ class World(Part):
     size: Size | None = Field(
         default=None, description="width and height, m; required unless it follows from a map"
     )
-    origin: Annotated[tuple[float, float] | Literal["center"] | None, BeforeValidator(_origin)] = (
-        Field(
-            default=None,
-            description="where coordinates count from: [x, y] in m from the lower left corner, or "
-            "center; default: that corner",
-        )
-    )
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
         default=1, description="all that is random follows from it"
     )
@@ -400,6 +393,13 @@ class World(Part):
     clock: Clock = Field(default=Clock(), description="how time is cut up")
     boundary: Boundary | None = Field(
         default=Boundary(), description="walls around the world; null: none"
+    )
+    origin: Annotated[tuple[float, float] | Literal["center"] | None, BeforeValidator(_origin)] = (
+        Field(
+            default=None,
+            description="where coordinates count from: [x, y] in m from the lower left corner, or "
+            "center; default: that corner",
+        )
     )
     region: ConvexPolygon | None = Field(
         default=None,

@@ -75,14 +75,14 @@ class Thing(Part):
     """What bodies of all shapes have."""
 
     height: Positive = Field(default=1.0, description="m, from its lower end to its upper one")
-    z: NonNegative = Field(
-        default=0.0,
-        description="m above the floor at which it begins; what shares no height never touches",
-    )
     color: BodyColor = Field(default=GRAY, description="X11 name, #rrggbb, or random")
     mass: Positive = Field(default=10.0, description="kg")
     friction: NonNegative = Field(
         default=0.5, description="Coulomb's coefficient where bodies touch"
+    )
+    z: NonNegative = Field(
+        default=0.0,
+        description="m above the floor at which it begins; what shares no height never touches",
     )
     solid: bool = Field(
         default=True, description="false: nothing is stopped by it, as paint on the ground"
@@ -94,25 +94,37 @@ class Thing(Part):
     )
 
 
-class Box(Thing):
+class BoxShape(Part):
     """A rectangle, centred."""
 
-    shape: Literal["box"] = Field(description="a rectangle, centred on the body's pose")
+    shape: Literal["box"] = Field(description="a rectangle, centred on its pose")
     size: Size = Field(description="length along the heading and width across it, m")
 
 
-class Circle(Thing):
+class CircleShape(Part):
     """A disc, centred."""
 
-    shape: Literal["circle"] = Field(description="a disc, centred on the body's pose")
+    shape: Literal["circle"] = Field(description="a disc, centred on its pose")
     radius: Positive = Field(description="m")
 
 
-class Polygon(Thing):
-    """A convex polygon in the body's frame."""
+class PolygonShape(Part):
+    """A convex polygon."""
 
     shape: Literal["polygon"] = Field(description="a convex polygon")
     points: ConvexPolygon = Field(description="corners [x, y] in the body's frame, m")
+
+
+class Box(Thing, BoxShape):
+    """A rectangle, centred."""
+
+
+class Circle(Thing, CircleShape):
+    """A disc, centred."""
+
+
+class Polygon(Thing, PolygonShape):
+    """A convex polygon in the body's frame."""
 
 
 def simple(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -170,19 +182,15 @@ SimplePolygon = Annotated[tuple[Point, ...], Field(max_length=1000), AfterValida
 AT = "x, y in m and heading in degrees, in the body's frame"
 
 
-class BoxPart(Part):
+class BoxPart(BoxShape):
     """A rectangle of a compound body."""
 
-    shape: Literal["box"] = Field(description="a rectangle, centred on its pose")
-    size: Size = Field(description="length along its heading and width across it, m")
     pose: Pose = Field(default=(0.0, 0.0, 0.0), description=AT)
 
 
-class CirclePart(Part):
+class CirclePart(CircleShape):
     """A disc of a compound body."""
 
-    shape: Literal["circle"] = Field(description="a disc, centred on its pose")
-    radius: Positive = Field(description="m")
     pose: Pose = Field(default=(0.0, 0.0, 0.0), description=AT)
 
 
@@ -194,7 +202,7 @@ class PolygonPart(Part):
     pose: Pose = Field(default=(0.0, 0.0, 0.0), description=AT)
 
 
-class Compound(Thing):
+class CompoundShape(Part):
     """Several parts that are one body."""
 
     shape: Literal["compound"] = Field(description="several parts that are one body")
@@ -202,6 +210,10 @@ class Compound(Thing):
         tuple[Annotated[BoxPart | CirclePart | PolygonPart, Field(discriminator="shape")], ...],
         Field(min_length=1, max_length=2000),
     ] = Field(description="its parts: boxes, circles and polygons")
+
+
+class Compound(Thing, CompoundShape):
+    """Several parts that are one body."""
 
 
 class Standing(Thing):

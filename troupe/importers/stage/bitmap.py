@@ -7,6 +7,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ SOLID = 127
 
 MOST_CELLS = 16_000_000
 """Cells of a map image that is made anew."""
+
+MOST_PIXELS = 400_000_000
+"""Pixels of a bitmap, which are held in memory once."""
 
 Bools = NDArray[np.bool_]
 
@@ -78,20 +82,44 @@ def read_plan(
 
     path = os.path.join(folder, name)
     try:
-        pixels = read_pixels(Path(path))
+        walls, whole = _dark(read_pixels(Path(path))), True
     except TooLarge as error:
-        width, height = error.size
-        raise StageError(place, f"the bitmap {path} {error}: {width} x {height} pixels") from None
+        walls, whole = _coarse(path, error.size, place), False
     except NotRead as error:
         raise StageError(place, f"the bitmap {path} {error} (convert it to PNG?)") from None
-    first = pixels if pixels.ndim == 2 else pixels[:, :, min(2, pixels.shape[2] - 1)]
-    walls = np.asarray(first <= SOLID)
     if not walls.any():
         return None
     rows, columns = np.flatnonzero(walls.any(axis=1)), np.flatnonzero(walls.any(axis=0))
     cut = walls[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    whole = cut.shape == walls.shape and np.array_equal(_as_map(path), walls)
+    whole = whole and cut.shape == walls.shape and np.array_equal(_as_map(path), walls)
     return Plan(path, cut, pose, size, bool(whole))
+
+
+def _dark(pixels: NDArray[Any]) -> Bools:
+    """Which pixels are solid by Stage's rule: those whose first channel (red) is dark."""
+    first = pixels if pixels.ndim == 2 else pixels[:, :, min(2, pixels.shape[2] - 1)]
+    return np.asarray(first <= SOLID)
+
+
+def _coarse(path: str, size: tuple[int, int], place: Place) -> Bools:
+    """The solid pixels of an image that is larger than a map may be, several to a cell.
+
+    A cell is solid if any of its pixels is, so that thin walls stay closed. Raises StageError.
+    """
+    import cv2  # noqa: PLC0415
+
+    width, height = size
+    pixels = cv2.imread(path, cv2.IMREAD_UNCHANGED) if width * height <= MOST_PIXELS else None
+    if pixels is None or pixels.dtype != np.uint8:
+        what = f"the bitmap {path} is too large or cannot be read: {width} x {height} pixels"
+        raise StageError(place, f"{what} (at most {MOST_PIXELS})")
+    walls = _dark(pixels)
+    step = math.ceil(math.sqrt(walls.size / MOST_CELLS))
+    rows, columns = (side - side % -step for side in walls.shape)
+    padded = np.zeros((rows, columns), np.bool_)
+    padded[: walls.shape[0], : walls.shape[1]] = walls
+    blocks = padded.reshape(rows // step, step, columns // step, step)
+    return np.asarray(blocks.any(axis=(1, 3)))
 
 
 def _as_map(path: str) -> Bools:

@@ -10,7 +10,6 @@ from troupe.importers.stage import values
 from troupe.importers.stage.footprint import Rise, Shape, body_of, height_of, shapes_of
 from troupe.importers.stage.notes import Notes
 from troupe.importers.stage.returns import Returns
-from troupe.importers.stage.syntax import Entity
 from troupe.importers.stage.things import Thing
 from troupe.importers.stage.tokens import Place
 from troupe.importers.stage.values import Pose
@@ -21,17 +20,14 @@ def posed(pose: Pose) -> list[float]:
     return [pose.x, pose.y, math.remainder(pose.a, 360.0)]
 
 
-def note_name(entity: Entity, notes: Notes) -> None:
-    """Stage knows every model by its name; here only robots have one."""
-    if "name" in entity.properties:
-        place = entity.properties["name"].place
-        notes.differs(place, "name of what is no robot: programs cannot ask where it is")
+def name_of(thing: Thing) -> dict[str, Any]:
+    """The name of a model that was given one, by which programs ask where it is."""
+    return {"name": thing.name} if "name" in thing.entity.properties else {}
 
 
 def movable_of(thing: Thing, folder: str, notes: Notes) -> list[tuple[dict[str, Any], Place]]:
     """A model that can be pushed, with all that stands on it: one obstacle."""
     entity = thing.entity
-    note_name(entity, notes)
     returns = Returns.of(entity, notes)
     shapes = carried(thing, folder, notes)
     if not shapes:
@@ -39,6 +35,7 @@ def movable_of(thing: Thing, folder: str, notes: Notes) -> list[tuple[dict[str, 
     notes.differs(entity.place, "gripper_return: robots can push it; nobody grips it")
     mass = values.numbers(entity, "mass")
     data: dict[str, Any] = {
+        **name_of(thing),
         **body_of(shapes),
         "pose": posed(thing.pose),
         "color": values.color(entity, notes),

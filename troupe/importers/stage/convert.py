@@ -14,7 +14,7 @@ from troupe.importers.stage.carried import movable_of, posed
 from troupe.importers.stage.drivers import Table, read_table
 from troupe.importers.stage.footprint import height_of
 from troupe.importers.stage.leftover import note_leftovers, own_controller
-from troupe.importers.stage.names import robot_names
+from troupe.importers.stage.names import name_obstacles, robot_names
 from troupe.importers.stage.notes import Note, Notes
 from troupe.importers.stage.ports import check_addresses, in_order_of_ports, ports_of
 from troupe.importers.stage.robots import Robot, robot_of
@@ -92,7 +92,7 @@ def convert(world: str, cfg: str | None, output: Path) -> Converted:
         robots = in_order_of_ports(robots, table)
         check_addresses(table, robots, ports_of(table), notes)
     surroundings = surroundings_of(
-        still, [robot.thing for robot in robots], [data for data, _ in moving]
+        still, [robot.thing for robot in robots], [data for data, _ in moving], notes
     )
     surroundings.obstacles += moving
     block = _world(source, surroundings, robots, table)
@@ -155,13 +155,15 @@ def _world(
         block["boundary"] = Line(wall, source.short(frame.thing.entity.place))
     if surroundings.plans:
         block["map"] = _map(source, surroundings)
+    called = robot_names([robot.thing for robot in robots], notes)
     if surroundings.obstacles:
         block[" obstacles"] = Line(None)
         block["obstacles"] = [
-            Line(data, source.short(place)) for data, place in surroundings.obstacles
+            Line(data, source.short(place))
+            for data, place in name_obstacles(surroundings.obstacles, called, notes)
         ]
     if robots:
-        names = iter(robot_names([robot.thing for robot in robots], notes))
+        names = iter(called)
         models, model_of = _models(source, robots, table)
         block[" models"] = Line(None)
         block["models"] = models

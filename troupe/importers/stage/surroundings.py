@@ -9,7 +9,7 @@ from typing import Any
 
 from troupe.importers.stage import values
 from troupe.importers.stage.bitmap import Plan, read_plan, rectangles
-from troupe.importers.stage.carried import fiducial_of, note_name, posed
+from troupe.importers.stage.carried import fiducial_of, name_of, posed
 from troupe.importers.stage.footprint import (
     FLAT,
     Rise,
@@ -120,7 +120,6 @@ def standing(thing: Thing, folder: str, inside: Sequence[Thing], notes: Notes) -
     `inside`: robots; a solid model that has one within its outline is hollow, as all are in Stage.
     """
     entity = thing.entity
-    note_name(entity, notes)
     bitmap = values.get(entity, "bitmap")
     returns = Returns.of(entity, notes)
     bottom = thing.pose.z + thing.origin.z
@@ -153,7 +152,10 @@ def _within(point: tuple[float, float], outline: Polygon) -> bool:
 
 
 def surroundings_of(
-    found: Sequence[Standing], robots: Sequence[Thing], moving: Sequence[Mapping[str, Any]]
+    found: Sequence[Standing],
+    robots: Sequence[Thing],
+    moving: Sequence[Mapping[str, Any]],
+    notes: Notes,
 ) -> Surroundings:
     """Where the world ends, and everything that stands in it.
 
@@ -181,6 +183,9 @@ def surroundings_of(
             surroundings.plans.append(one)
         elif not one.hollow:
             surroundings.obstacles += _obstacles(one)
+        if name_of(one.thing) and (id(one) in mapped or one.hollow):
+            place = one.thing.entity.properties["name"].place
+            notes.looks(place, "name of a floorplan or of walls: nobody asks where they are")
         if one.has_boundary and not (one is frame and one.is_wall):
             surroundings.obstacles += _walls(one)
     return surroundings
@@ -230,6 +235,7 @@ def _obstacles(one: Standing) -> list[tuple[dict[str, Any], Place]]:
     for number, (rise, them) in enumerate(alike.items()):
         for first in range(0, len(them), MOST_PARTS):
             data = {
+                **(name_of(one.thing) if number == first == 0 else {}),
                 **body_of(them[first : first + MOST_PARTS]),
                 "pose": posed(pose),
                 **one.look(rise),

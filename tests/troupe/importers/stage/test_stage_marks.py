@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from sim.scenery import Scenery
@@ -287,3 +288,28 @@ def test_equal_robots_share_a_model_whatever_the_rounding(world) -> None:
 def test_a_robot_with_stages_wander_is_driven_by_ours(world) -> None:
     got = world(FLOOR + 'position ( name "a" ctrl "wander" )\nposition ( pose [3 3 0 0] )\n')
     assert [robot["controller"] for robot in got.data["robots"]] == ["wander", None]
+
+
+def test_a_bitmap_of_more_pixels_than_a_map_may_have_is_read_coarser(
+    world, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr("sim.stage.imagemap.MOST_PIXELS", 20_000)
+    monkeypatch.setattr("troupe.importers.stage.bitmap.MOST_CELLS", 10_000)
+    columns, rows = 180, 150
+    pixels = np.full((rows, columns), 255, np.uint8)
+    pixels[:, 90] = 0  # a wall of one pixel
+    pixels[[0, -1], :] = 0
+    pixels[:, [0, -1]] = 0
+    (tmp_path / "huge.pgm").write_bytes(b"P5 %d %d 255\n" % (columns, rows) + pixels.tobytes())
+    got = world('model ( size [18 15 1] bitmap "huge.pgm" )\n' + ROBOT.format(x=-3))
+    assert Driven(got).range() == pytest.approx(3.0, abs=0.25)
+
+
+def test_models_keep_their_names_and_none_is_a_robots(world) -> None:
+    got = world(
+        FLOOR + 'model ( name "crate 1" pose [5 0 0 0] size [1 1 1] )\n'
+        'model ( name "r" pose [5 3 0 0] size [0.2 0.2 0.2] gripper_return 1 )\n'
+        + ROBOT.format(x=0)
+    )
+    assert [one["name"] for one in got.data["obstacles"]] == ["crate_1", "r_2"]
+    assert any("is called r_2 here" in what for what in got.noted("differs", "text.world:3"))

@@ -80,7 +80,7 @@ WITHIN = {
     "model": "model ( pose [2 0 0 0] {} )\n",
     "position": "position ( {} )\n",
     "sensor": "position ( ranger ( sensor ( {} ) ) )\n",
-    "world": "position ( pose [0 0 0 1] ranger ( sensor ( samples 9 ) ) )\n{}\n",
+    "world": "position ( pose [2 0 0 1] ranger ( sensor ( samples 9 ) ) )\n{}\n",
     "ranger": "position ( ranger ( scount 1 {} ) )\n",
     "bumper": "position ( bumper ( bcount 1 bpose[0] [0.1 0 0 0] {} ) )\n",
     "window": "window ( {} )\n",
