@@ -8,21 +8,25 @@ import pytest
 
 import troupe
 from sim.build import load
+from sim.engine import Engine, Settings
+from sim.fleet.idle import NoFleet
 from sim.rehearsal import is_served, rehearse
-from tests.sim.serving import Serving, World, write_world
+from tests.sim.serving import World, write_world
 
 
 def test_all_robots_have_entered_and_perceived_before_a_port_is_open(world: World) -> None:
     seen: list[tuple[int, int]] = []
 
-    class Noting(Serving):
-        def say(self, line: str) -> None:
-            if "is served at" in line:
-                seen.append((len(self.engine.robots), self.engine.sensing.encodings.round))
-            super().say(line)
+    def say(line: str) -> None:
+        if "is served at" in line:
+            seen.append((len(engine.robots), engine.sensing.encodings.round))
 
-    with Noting(world("hand")) as run:
-        run.line("two is served at")
+    settings = Settings(1, 1.0, listen=("127.0.0.1", 0))
+    engine = Engine(load(world("hand")), settings, NoFleet(), say)  # type: ignore[arg-type]
+    try:
+        engine.begin()
+    finally:
+        engine.crew.dismiss()
     assert seen == [(2, 1)] * 2
 
 
