@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -186,6 +186,11 @@ class Suite:
             else:
                 group.times[rows] = time
         sense_rows(groups, views)
+
+    def slots_of(self, types: Container[str] | None) -> list[int]:
+        """The slots of all sensors of some types, None: of all; of those that are new as well."""
+        places = enumerate(self._places)
+        return [slot for slot, (group, _) in places if types is None or group.type.name in types]
 
     def place(self, robot: int, sensor_index: int) -> tuple[Group, int]:
         """Where a sensor's readings stand from the next `sense` on: its group and its row."""

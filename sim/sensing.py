@@ -90,8 +90,8 @@ class Sensing:
                 if sensor is not None:
                     self.flags[suite.first_slot[device.robot.index] + sensor] = True
             self.flags[list(self.asked)] = True
-            for group in suite.groups if self.logged else ():
-                if group.type.name in self.logged or "all" in self.logged:
-                    self.flags[group.slots] = True
+            if self.logged:
+                types = None if "all" in self.logged else self.logged
+                self.flags[suite.slots_of(types)] = True
             self.switchboard.changed = False
         return self.flags

@@ -64,6 +64,21 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, np.n
     return folder / "run.mcap", known
 
 
+def test_what_nobody_reads_is_logged_from_the_first_tick_on(tmp_path: Path) -> None:
+    world = {
+        "size": [5, 5],
+        "duration": 1,
+        "models": {"m": {"body": {"shape": "circle", "radius": 0.3},
+                         "sensors": [{"type": "laser", "samples": 5}, {"type": "blobfinder"}]}},
+        "robots": [{"name": "a", "model": "m", "pose": [2, 2, 0]}],
+    }  # fmt: skip
+    troupe.run(world, log=tmp_path / "run.mcap", log_sensors=["laser"])
+    log = troupe.Log(tmp_path / "run.mcap")
+    assert log.scans("a").ranges.shape == (10, 5)
+    with pytest.raises(KeyError):
+        log.blobs("a")
+
+
 def decoded(path: Path) -> dict[str, list[Any]]:
     """All messages by topic, as `mcap-ros2-support` decodes them with an indexed reader."""
     found: dict[str, list[Any]] = {}
