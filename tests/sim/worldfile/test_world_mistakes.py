@@ -15,7 +15,7 @@ TABLE = [
     # the top level; a text that begins with a blank line stands alone
     ("sized: [1, 2]", "5:1: sized: unknown key; did you mean size?"),
     ("duraton: 3", "5:1: duraton: unknown key; did you mean duration?"),
-    ("zzz: 3", "5:1: zzz: unknown key (allowed: name, size, origin, seed,"),
+    ("zzz: 3", "5:1: zzz: unknown key (allowed: name, size, seed,"),
     ("name: 5", "5:7: name: must be text (given: 5)"),
     ("seed: 1.5", "5:7: seed: must be a whole number (given: 1.5)"),
     ("seed: -1", "5:7: seed: is out of range (given: -1; allowed: 0 or more)"),
@@ -91,7 +91,7 @@ TABLE = [
     ),
     (
         "obstacles: [{shape: circle, size: [1, 1], radius: 1, pose: [1, 1, 0]}]",
-        "5:29: obstacles.0.size: unknown key (allowed: height, z, color, height, color, mass,",
+        "5:29: obstacles.0.size: unknown key (allowed: shape, radius, height, color, mass,",
     ),
     (
         "obstacles: [{shape: circle, radius: 1, pose: [1, 1, 0], movable: yes}]",

@@ -47,10 +47,8 @@ def name_obstacles(
     taken, found = set(robots), []
     for data, place in obstacles:
         wanted = data.get("name")
-        if wanted is not None:
-            name = own_name(wanted, taken)
-            data = {**data, "name": name}
-            if name != wanted:
-                notes.differs(place, f"model {wanted} is called {name} here")
-        found.append((data, place))
+        name = own_name(wanted, taken) if wanted is not None else None
+        if name != wanted:
+            notes.differs(place, f"model {wanted} is called {name} here")
+        found.append((data if name is None else {**data, "name": name}, place))
     return found
