@@ -4,16 +4,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .colors import format_color, parse_color
-    from .noise import gaussians
-    from .odometry import Odometry
-    from .rays import cast
-    from .readings import Bits, Blobs, Elements, Fan, Fiducials, Intensities, Scalars, Scans
-    from .registry import SENSORS, describe, load_file, sensor, settings_for
-    from .scene import Scene
-    from .settings import Color, Count, Number, Pose, SensorSettings, setting
-    from .suite import Suite
-    from .view import Contacts, View
+    from sensors.colors import format_color, parse_color
+    from sensors.noise import gaussians
+    from sensors.odometry import Odometry
+    from sensors.rays import cast
+    from sensors.readings import Bits, Blobs, Elements, Fan, Fiducials, Intensities, Scalars, Scans
+    from sensors.registry import SENSORS, describe, load_file, sensor, settings_for
+    from sensors.scene import Scene
+    from sensors.settings import Color, Count, Number, Pose, SensorSettings, setting
+    from sensors.suite import Suite
+    from sensors.view import Contacts, View
 
 # Names are imported on first use: who only wants a colour's number need not wait for numba.
 _HOMES = {

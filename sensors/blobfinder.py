@@ -15,14 +15,14 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from .compiled import compiled
-from .grid import Floats, Ints
-from .picture import Hits
-from .readings import Blobs, Fan
-from .registry import sensor
-from .scene import Colors
-from .settings import Color, Count, Number, SensorSettings, setting
-from .view import View
+from sensors.compiled import compiled
+from sensors.grid import Floats, Ints
+from sensors.picture import Hits
+from sensors.readings import Blobs, Fan
+from sensors.registry import sensor
+from sensors.scene import Colors
+from sensors.settings import Color, Count, Number, SensorSettings, setting
+from sensors.view import View
 
 Pixels = Annotated[Count, Field(ge=1, le=10_000)]
 

@@ -11,12 +11,12 @@ from typing import Self
 import numpy as np
 from pydantic import model_validator
 
-from .compiled import compiled
-from .grid import Flags, Floats, Ints
-from .readings import Bits
-from .registry import sensor
-from .settings import Count, Number, SensorSettings, setting
-from .view import View
+from sensors.compiled import compiled
+from sensors.grid import Flags, Floats, Ints
+from sensors.readings import Bits
+from sensors.registry import sensor
+from sensors.settings import Count, Number, SensorSettings, setting
+from sensors.view import View
 
 Arc = tuple[Number, Number]
 BORDER = 1e-9

@@ -9,11 +9,11 @@ import math
 
 import numpy as np
 
-from .compiled import compiled
-from .grid import HOLLOW, Floats, Ints, locate, ring_cells
-from .picture import ON, SLACK, stands_on
-from .sight import Seen
-from .solids import OUTSIDE, side_of, stands_within
+from sensors.compiled import compiled
+from sensors.grid import HOLLOW, Floats, Ints, locate, ring_cells
+from sensors.picture import ON, SLACK, stands_on
+from sensors.sight import Seen
+from sensors.solids import OUTSIDE, side_of, stands_within
 
 
 @compiled

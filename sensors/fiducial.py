@@ -11,13 +11,13 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from .compiled import compiled
-from .grid import Floats, Ints
-from .rays import cast
-from .readings import FIDUCIAL, Fiducials
-from .registry import sensor
-from .settings import Count, Number, SensorSettings, setting
-from .view import View
+from sensors.compiled import compiled
+from sensors.grid import Floats, Ints
+from sensors.rays import cast
+from sensors.readings import FIDUCIAL, Fiducials
+from sensors.registry import sensor
+from sensors.settings import Count, Number, SensorSettings, setting
+from sensors.view import View
 
 Ids = npt.NDArray[np.int32]
 

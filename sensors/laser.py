@@ -5,11 +5,19 @@ from typing import Any, Self
 
 from pydantic import model_validator
 
-from .noise import add_range_noise
-from .readings import Fan, Scans, too_near
-from .registry import sensor
-from .settings import Count, Housing, Number, SensorSettings, check_min_range, housing, setting
-from .view import View
+from sensors.noise import add_range_noise
+from sensors.readings import Fan, Scans, too_near
+from sensors.registry import sensor
+from sensors.settings import (
+    Count,
+    Housing,
+    Number,
+    SensorSettings,
+    check_min_range,
+    housing,
+    setting,
+)
+from sensors.view import View
 
 
 class LaserSettings(SensorSettings):

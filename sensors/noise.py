@@ -13,9 +13,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from .compiled import compiled
-from .grid import Floats, Ints
-from .picture import Hits
+from sensors.compiled import compiled
+from sensors.grid import Floats, Ints
+from sensors.picture import Hits
 
 Keys = npt.NDArray[np.uint64]
 

@@ -17,9 +17,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from .compiled import compiled
-from .grid import Flags, Floats
-from .noise import Keys, gaussian_at, stream_key
+from sensors.compiled import compiled
+from sensors.grid import Flags, Floats
+from sensors.noise import Keys, gaussian_at, stream_key
 
 ROUNDING = 1e-12
 """Radians by which sums of angles may be off."""

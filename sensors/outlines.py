@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from .grid import Floats
+from sensors.grid import Floats
 
 Outline = tuple[Floats, bool, tuple[float, float, float]]
 """Corners (k, 2) counter-clockwise, whether they are convex, and a circle about them."""

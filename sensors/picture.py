@@ -12,8 +12,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from .compiled import compiled
-from .grid import Floats, Ints
+from sensors.compiled import compiled
+from sensors.grid import Floats, Ints
 
 Hits = npt.NDArray[np.int32]
 

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from .cones import cast_cones
-from .laser import fan_of
-from .noise import add_element_noise, add_range_noise
-from .readings import Elements, Fan, Scans, too_near
-from .registry import sensor
-from .settings import (
+from sensors.cones import cast_cones
+from sensors.laser import fan_of
+from sensors.noise import add_element_noise, add_range_noise
+from sensors.readings import Elements, Fan, Scans, too_near
+from sensors.registry import sensor
+from sensors.settings import (
     Count,
     Housing,
     Number,
@@ -23,7 +23,7 @@ from .settings import (
     housing,
     setting,
 )
-from .view import View, place_elements
+from sensors.view import View, place_elements
 
 Far = Annotated[Number, Field(gt=0)]
 Wide = Annotated[Number, Field(gt=0, le=360)]

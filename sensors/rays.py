@@ -18,9 +18,9 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from .compiled import compiled
-from .grid import HOLLOW, Bodies, Floats, Ints, Walls, locate, ring_cells
-from .picture import (
+from sensors.compiled import compiled
+from sensors.grid import HOLLOW, Bodies, Floats, Ints, Walls, locate, ring_cells
+from sensors.picture import (
     EDGE_ON,
     ON,
     Hits,
@@ -32,11 +32,11 @@ from .picture import (
     parts_of,
     stands_on,
 )
-from .readings import Fan
-from .scene import Scene
-from .sight import Seen
-from .solids import stands_within
-from .view import View
+from sensors.readings import Fan
+from sensors.scene import Scene
+from sensors.sight import Seen
+from sensors.solids import stands_within
+from sensors.view import View
 
 
 @compiled

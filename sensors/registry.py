@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 from pydantic_core import PydanticCustomError, ValidationError
 
-from .readings import KINDS, Fan, Readings
-from .settings import SensorSettings
-from .view import View
+from sensors.readings import KINDS, Fan, Readings
+from sensors.settings import SensorSettings
+from sensors.view import View
 
 S = TypeVar("S", bound=SensorSettings)
 R = TypeVar("R", bound=Readings)

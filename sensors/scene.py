@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from .eyes import EVERY_EYE
-from .grid import HOLLOW, Flags, Floats, Ints
-from .outlines import Outline, outline_of, polygon_of
-from .sight import Outlines, Seen, Sight, Standing, stand
+from sensors.eyes import EVERY_EYE
+from sensors.grid import HOLLOW, Flags, Floats, Ints
+from sensors.outlines import Outline, outline_of, polygon_of
+from sensors.sight import Outlines, Seen, Sight, Standing, stand
 
 Colors = npt.NDArray[np.uint32]
 Levels = npt.NDArray[np.uint8]

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
-from .colors import parse_color
+from sensors.colors import parse_color
 
 
 def _color(value: object) -> object:

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .grid import Bodies, Flags, Floats, Ints, Walls, place_bodies, wall_grid
-from .solids import Solids, sort_solids
+from sensors.grid import Bodies, Flags, Floats, Ints, Walls, place_bodies, wall_grid
+from sensors.solids import Solids, sort_solids
 
 Seen = tuple[Bodies, Walls, Solids]
 """What the kernels take."""

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from .compiled import compiled
-from .grid import Floats, Ints, frame_over, touches
-from .picture import stands_on
+from sensors.compiled import compiled
+from sensors.grid import Floats, Ints, frame_over, touches
+from sensors.picture import stands_on
 
 Solids = tuple[Floats, Ints, Floats, Ints, Ints]
 """corners (V, 2); pieces (P, 4) entity, first corner, number of corners, hollow (1) or not; frame,

@@ -10,15 +10,15 @@ from functools import cache
 
 import numpy as np
 
-from .eyes import EYE_OF_KIND
-from .grid import Flags, Floats, Ints
-from .noise import Keys, stream_key
-from .rays import cast_for
-from .readings import Fan, Readings
-from .registry import SensorType, type_of
-from .scene import Scene
-from .settings import SensorSettings
-from .view import Contacts, View, mount_sensors
+from sensors.eyes import EYE_OF_KIND
+from sensors.grid import Flags, Floats, Ints
+from sensors.noise import Keys, stream_key
+from sensors.rays import cast_for
+from sensors.readings import Fan, Readings
+from sensors.registry import SensorType, type_of
+from sensors.scene import Scene
+from sensors.settings import SensorSettings
+from sensors.view import Contacts, View, mount_sensors
 
 Wanted = Flags | Callable[[], Flags]
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .compiled import compiled
-from .grid import Floats, Ints
-from .scene import Scene
-from .sight import Seen
+from sensors.compiled import compiled
+from sensors.grid import Floats, Ints
+from sensors.scene import Scene
+from sensors.sight import Seen
 
 
 @dataclass
