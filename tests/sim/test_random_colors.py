@@ -21,7 +21,7 @@ def colors(seed: int) -> list[int]:
     scenery = Scenery(loaded, seed)
     for spec, pose in zip(loaded.robots, scenery.start_poses, strict=True):
         scenery.add_robot(spec.name, spec.model, loaded.world.models[spec.model], pose)
-    return scenery.scene.colors[scenery.entities].tolist()
+    return scenery.scene.colors[scenery.surroundings.entities].tolist()
 
 
 def test_each_robot_has_its_own_and_a_seed_draws_it_again() -> None:
