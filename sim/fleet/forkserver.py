@@ -322,9 +322,9 @@ def run_program(message: dict[str, Any]) -> int:
         else:
             print(end.code, file=sys.stderr)
             code = 1
-    except PlayerDisconnected as error:
-        # the run has ended while the program was busy with something else than `read`
-        print(error, file=sys.stderr)
+    except PlayerDisconnected:
+        # The simulator has ended the run, or this program's part in it, and has told why; the
+        # program was busy with something else than `read`.
         code = 1
     except BaseException as error:
         print(own_traceback(error), end="", file=sys.stderr)

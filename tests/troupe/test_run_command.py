@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from typer.testing import CliRunner
 
 import troupe as package
 from sim.result import RobotRecord
@@ -229,7 +230,7 @@ def test_every_option_of_every_command_tells_its_default() -> None:
     group = typer.main.get_command(app)
     assert isinstance(group, typer.core.TyperGroup)
     for name, command in group.commands.items():
-        shown = troupe(name, "--help").stdout
+        shown = CliRunner().invoke(app, [name, "--help"]).stdout
         told = [one for one in command.params if not getattr(one, "hidden", False)]
         valued = [one for one in told if not one.required and not getattr(one, "is_flag", False)]
         assert shown.count("[default:") == len(valued), f"{[one.name for one in valued]}\n{shown}"
