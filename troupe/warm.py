@@ -16,6 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = (
     "sensors",
+    "sim/devices",
     "sim/stage",
     "controllers/dispersal",
     "controllers/dispersal/rules",
@@ -56,7 +57,8 @@ models:
     drive: {kind: omnidirectional}
     sensors: [{type: blobfinder, range: 5, image: [40, 30]}]
 robots:
-  - {model: all, count: 2, placement: random}
+  - {model: all, pose: [0.302, 6, 180]}  # 2 mm from the wall, which it is going to touch
+  - {model: all, placement: random}
   - {model: car, count: 2, placement: random}
   - {model: slider, count: 2, placement: random}
 """

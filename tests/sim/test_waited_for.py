@@ -182,6 +182,8 @@ with PlayerClient() as robot:
         take(robot)
         base.set_speed(0.3)
 {TELL}
+    looks.kill()
+    looks.wait()  # else it would be the program's last connection, and go on with the world alone
 """
 
 ONE_CONNECTION = {

@@ -34,6 +34,11 @@ with Compiling() as compiling, TemporaryDirectory() as folder:
         log = Path(folder, f"{name}.mcap")
         with troupe.Simulation(name, controllers=False, log=log, log_sensors=["all"]) as simulation:
             simulation.step(3)
+    with troupe.Simulation("wander", controllers=False) as simulation:
+        for _ in range(400):
+            simulation.command(simulation.names, forward=0.5)
+            simulation.step()
+        assert simulation.contacts.any()
     from gridworld.grid import simulate
     from gridworld.median import best_door
     from gridworld.regions import load, rectangle
