@@ -388,7 +388,12 @@ def main() -> None:
              log_cost(folder, 1000, True, repeats)),
         ]  # fmt: skip
     table = "\n".join(
-        [f"Measured on {machine()}.", "", "| what | target | measured |", "| --- | --- | --- |"]
+        [
+            f"Measured on {machine()}{', one run of each' if args.quick else ''}.",
+            "",
+            "| what | target | measured |",
+            "| --- | --- | --- |",
+        ]
         + [f"| {what} | {target} | {found} |" for what, target, found in rows]
     )
     print(table)
