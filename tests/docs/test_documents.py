@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -87,7 +89,16 @@ def test_a_yaml_block_is_a_world_that_works(text: str, tmp_path: Path) -> None:
     assert load(tmp_path / "world.yaml").robots
 
 
+@pytest.fixture
+def alone() -> Iterator[None]:
+    """Blocks write files of equal names here: one at a time, however many workers pytest has."""
+    with (ROOT / "pyproject.toml").open() as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
 @pytest.mark.parametrize("text", blocks("sh"))
+@pytest.mark.usefixtures("alone")
 def test_a_shell_block_works(text: str) -> None:
     before = set(ROOT.iterdir())
     for line in text.splitlines():
