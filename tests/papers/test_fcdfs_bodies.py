@@ -33,7 +33,7 @@ def bits(grid: Outcome) -> list[str]:
 
 @pytest.mark.parametrize(
     "name",
-    ["corridor", "maze", "rooms", "spiral", "corridor_differential"],
+    ["corridor", "maze", "rooms", "spiral", "corridor_differential", "rooms_differential"],
 )
 def test_bodies_move_as_the_grid_model_says(name: str) -> None:
     region = load(WORLDS / "maps" / f"{name.partition('_')[0]}.txt")
@@ -83,7 +83,7 @@ def test_other_rules_drive_bodies_too(rule: str) -> None:
     agree(result, region, simulate(region, rule, seed=result.seed))
 
 
-@pytest.mark.parametrize(("name", "q"), [("corridor", 0.2)])
+@pytest.mark.parametrize(("name", "q"), [("corridor", 0.2), ("rooms", 0.1)])
 def test_robots_that_miss_steps_cover_everything_by_the_light(name: str, q: float) -> None:
     map_file = WORLDS / "maps" / f"{name}.txt"
     result = troupe.run(
