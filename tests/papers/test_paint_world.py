@@ -50,14 +50,9 @@ def test_who_hides_two_nearly_level_robots_from_each_other_leaves_their_line() -
     assert judged_run(WORLDS / "paint_case_3.yaml", 1156, settings).faults == []
 
 
-@pytest.mark.parametrize(("world", "seed"), [("swarm_8", 7), ("swarm_12", 38)])
-def test_crowds_reach_their_goals(world: str, seed: int) -> None:
+@pytest.mark.parametrize(("world", "seed"), [("line", 23), ("swarm_8", 7), ("swarm_12", 38)])
+def test_lines_and_crowds_reach_their_goals(world: str, seed: int) -> None:
     assert judged_run(WORLDS / f"paint_{world}.yaml", seed, NO_PAINT).faults == []
-
-
-def test_robots_on_one_line_reach_their_goals() -> None:
-    four = ["robots.0.count=4", "controllers.paint.args.robots=4"]  # one fewer: half the time
-    assert judged_run(WORLDS / "paint_line.yaml", 23, [*NO_PAINT, *four]).faults == []
 
 
 @pytest.mark.parametrize(("world", "seed"), [("case_2", 21), ("tall", 22)])
