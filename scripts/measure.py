@@ -16,6 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
 from websockets.exceptions import ConnectionClosed
@@ -165,7 +166,7 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
     path = folder / "cost.mcap"
     log = open_log(path, loaded, ["all"] if sensors else [], about)
     log.writer.stop()  # what it would do is timed here
-    kept: list[TickState] = []
+    kept: list[Any] = []
     log.writer.put = lambda item, size: kept.append(item)  # type: ignore[method-assign]
     random = np.random.default_rng(1)
     ticks, hooks = [], []
@@ -182,7 +183,7 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
         log.each_tick(engine)
         ticks.append(ended - began)
         hooks.append(perf_counter() - ended)
-    states = [one for one in kept if isinstance(one, TickState)]
+    states: list[Any] = [one for one in kept if isinstance(one, TickState)]
     waiting = sum(map(size_of, states))
     log.writer._write(kept[:], waiting)  # entries and bodies once, and what is compiled
     before = log.writer.file.at
