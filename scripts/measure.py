@@ -271,9 +271,29 @@ def in_process(folder: Path, count: int, ticks: int, repeats: int) -> tuple[str,
         field.suite.sense(tick, 0.0, lasers)
         rays.append((process_time() - began) / (count * 180) * 1e9)
     return (
-        f"{statistics.median(speeds[1:]):.3g} x real time",
+        f"{float(f'{statistics.median(speeds[1:]):.3g}'):g} x real time",
         f"{statistics.median(rays):.1f} ns",
     )
+
+
+PEERS = (("navground", "C++, no forces, no blobfinder"), ("irsim", "Python, no blobfinder"))
+
+
+def peers(python: str, count: int, ticks: int) -> list[tuple[str, str, str]]:
+    """Rows of other simulators at the same task, as far as an interpreter has them."""
+    rows = []
+    for name, kind in PEERS:
+        script = str(ROOT / "scripts" / "peers.py")
+        done = subprocess.run(
+            [python, script, name, str(count), str(ticks)],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode == 0:
+            known, _, speed = done.stdout.strip().splitlines()[-1].partition(": ")
+            rows.append((f"the same in {known} ({kind})", "", speed))
+        elif "ModuleNotFoundError" not in done.stderr:
+            raise RuntimeError(done.stderr)
+    return rows
 
 
 LOADING = """\
@@ -345,6 +365,10 @@ def main() -> None:
     options = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
     options.add_argument("--write", action="store_true", help="into docs/performance.md")
     options.add_argument("--quick", action="store_true", help="one run of each")
+    options.add_argument(
+        "--peers", default=sys.executable, metavar="PYTHON",
+        help="an interpreter that has other simulators (ir-sim, navground), for rows beside ours",
+    )  # fmt: skip
     args = options.parse_args()
     repeats = 1 if args.quick else 5
     sweep = 20 if args.quick else 1000
@@ -365,6 +389,8 @@ def main() -> None:
             ray = found if count == 1000 else ray
             what = f"{count} robots in process, no controllers, one core"
             rows.append((what, f"{target} x real time", speed))
+            if count <= 1000:
+                rows += peers(args.peers, count, max(1, ticks // 10))
         language, raw = raw_rounds(folder, repeats)
         rows += [
             ("100,000 robots in process", "20 s, 2 GB", loading(folder, 100_000)),
