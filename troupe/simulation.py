@@ -384,7 +384,9 @@ class Simulation:
         if place is None:
             place = known.places[sensor] = find_sensor(suite, sensor)
             engine.sensing.want(place.slots)
-        return readings_of(place, sensor, self.time)
+        found = readings_of(place, sensor, self.time)
+        suite.given.add(found)
+        return found
 
     # -- what is done -------------------------------------------------------------------------
 
