@@ -75,7 +75,7 @@ class Watched:
 
     @property
     def address(self) -> str:
-        return self.view.served.address
+        return self.view.address
 
     def close(self) -> None:
         self.stop.set()

@@ -165,10 +165,17 @@ class Viewer:
 
     def notice(self) -> list[str]:
         """The next lines for people."""
-        while not isinstance(data := self.socket.recv(PATIENCE), str):
-            self.ask(do="seen")
-        lines: list[str] = json.loads(data)["notices"]
+        lines: list[str] = self.told("notices")
         return lines
+
+    def told(self, what: str) -> Any:
+        """The next text of that name."""
+        while True:
+            data = self.socket.recv(PATIENCE)
+            if not isinstance(data, str):
+                self.ask(do="seen")
+            elif what in (told := json.loads(data)):
+                return told[what]
 
     def close(self) -> None:
         self.socket.close()
