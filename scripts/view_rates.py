@@ -1,8 +1,9 @@
 """How many pictures a second the page of the live view draws, and what they cost the run's process.
 
 Headless Chromium without a graphics card looks at robots that all move: 1000, 10,000, 1000 on a map
-of 2000 x 2000 cells, and 16 that paint a floor of so many. Moments are made as fast as the page takes them, 30 a second at the most;
-what is counted are those that it has drawn. Needs the system's Chromium, and the extra `dev`.
+of 2000 x 2000 cells, and 16 that paint a floor of so many. Moments are made as fast as the page
+takes them, 30 a second at the most; what is counted are the pictures that it has drawn. Needs the
+system's Chromium, and the extra `dev`.
 """
 
 from __future__ import annotations

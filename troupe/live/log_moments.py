@@ -10,13 +10,11 @@ import numpy as np
 
 from sim.log.playback import Playback
 from sim.log.states import State
+from sim.view import figure
 from sim.view.moment import SETTLED, STALLED, Moment, Robot
 from troupe.live.readings import Shown, described
-from troupe.live.scene import MOST_FANS
+from troupe.live.scene import MOST_FANS, MOST_SAID, MOST_TOLD
 from troupe.live.timeline import Timeline
-
-MOST_TOLD, MOST_SAID = 12, 20
-"""Lines of a controller's output, and of what it said, on its robot's card."""
 
 
 class LogMoments:
@@ -53,7 +51,7 @@ class LogMoments:
             switches=shown.switches,
             paint=self._paint(present.floor),
             said=[(robot, *line) for robot, line in enumerate(present.said) if line],
-            drawn=self._drawn(count),
+            drawn=figure.told(playback.figures(count)),
             status={
                 **clock,
                 "seed": playback.seed,
@@ -79,21 +77,6 @@ class LogMoments:
                 floor = np.zeros_like(before)
             self._floor = worn, None if floor is None else floor.copy()
         return self._floor[1]
-
-    def _drawn(self, count: int) -> list[dict[str, Any]]:
-        """What programs had drawn, in their robots' frames."""
-        return [
-            {
-                "robot": robot,
-                "kind": figure.kind,
-                "points": figure.points.tolist(),
-                "color": figure.color,
-                "fill": figure.fill_color,
-            }
-            for robot, figures in enumerate(self.playback.figures(count))
-            for figure in figures
-            if np.isfinite(figure.points).all()
-        ]
 
     def _look(self, state: State, settled: Any, selected: Sequence[int]) -> Shown:
         """Readings: those that somebody read, and all of who is selected."""

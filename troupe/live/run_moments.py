@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sim.view import figure
 from sim.view.moment import AWAITED, SETTLED, STALLED, TOUCHING, Moment, Robot
 from sim.view.present import ENDED
 from troupe.live.hands import Hands, cannot_drive, driving
 from troupe.live.readings import Eyes, Shown
+from troupe.live.scene import MOST_SAID, MOST_TOLD
 from troupe.live.waits import Waits
 
 if TYPE_CHECKING:
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
 AWAITED_AFTER = 0.5
 """Wall-clock seconds of waiting after which a page tells for whom."""
 MOST_AWAITED = 5
-MOST_TOLD, MOST_SAID = 12, 20
-"""Lines of a controller's output, and of what it said, on its robot's card."""
 
 
 class RunMoments:
@@ -57,7 +57,7 @@ class RunMoments:
             switches=shown.switches,
             paint=self._floor(),
             said=[(k, *record.said[-1]) for k, record in enumerate(records) if record.said],
-            drawn=self._drawn(),
+            drawn=figure.told([robot.drawings for robot in engine.robots]),
             status={
                 "paused": stands or engine.context.paused,
                 "outcome": outcome,
@@ -96,21 +96,6 @@ class RunMoments:
             "contacts": int(engine.scenery.stage.contact_counts.sum()),
             "ended": int(settled.sum()),
         }
-
-    def _drawn(self) -> list[dict[str, Any]]:
-        """What programs have drawn, in their robots' frames."""
-        return [
-            {
-                "robot": robot.index,
-                "kind": shape.kind,
-                "points": points.tolist(),
-                "color": shape.color,
-                "fill": shape.fill_color,
-            }
-            for robot in self.engine.robots
-            for shape in robot.drawings
-            if np.isfinite(points := np.array(shape.points, float).reshape(-1, 2)).all()
-        ]
 
     def _card(self, robot: int, shown: Shown) -> dict[str, Any]:
         """What is known of one robot."""

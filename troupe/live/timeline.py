@@ -129,9 +129,7 @@ def timeline_of(log: Log, playback: Playback) -> Timeline:
                 for one in log.said
             ]
         ),
-        "touches": thinned(
-            [[one.time, numbers.get(one.robot, -1), *one.point] for one in touches]
-        ),
+        "touches": thinned([[one.time, numbers.get(one.robot, -1), *one.point] for one in touches]),
         "ends": thinned(
             [
                 [one.time, numbers.get(one.robot, -1), one.state, (one.error or "")[:LONGEST]]
