@@ -127,9 +127,12 @@ export class Card {
       return;
     }
     const now = told.now === null ? "" : `now ${told.now.toFixed(1)} s, `;
-    const last = told.ticks.length ? `last tick ${told.ticks.at(-1).toFixed(1)} ms, ` : "";
-    put("waits", `${now}${last}longest ${told.longest.toFixed(1)} ms`);
-    if (told.ticks.length) waits(this.waited, told.ticks, color, ink);
+    if (!told.ticks.length) {
+      put("waits", `${now}timed from the next tick on`);
+      return;
+    }
+    put("waits", `${now}last tick ${told.ticks.at(-1).toFixed(1)} ms, longest ${told.longest.toFixed(1)} ms`);
+    waits(this.waited, told.ticks, color, ink);
   }
 }
 

@@ -5,6 +5,7 @@ import { twistOf } from "./steering.js";
 const PACES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const NEAR = 6;         // pixels by which a body may be missed
 const SLACK = 4;        // pixels that a click may move
+const SOON = 500;       // milliseconds within which a pace that was asked for has come
 
 export class Hands {
   /** `page` has state, camera, view, canvas, link, painter and changed(). */
@@ -44,11 +45,16 @@ export class Hands {
     if (scene?.log) this.ask({ do: "seek", time: (tick - 1) * scene.interval });
   }
 
-  pace(factor) { this.ask({ do: "pace", factor }); }
+  pace(factor) {
+    this.wanted = { factor, until: performance.now() + SOON };
+    this.ask({ do: "pace", factor });
+  }
 
   /** The next pace of the row, up (1) or down (-1). Beyond the row lies flat out. */
   shift(direction) {
-    const now = this.page.state.status.pace;
+    // keys come quicker than what they bring about
+    const late = this.wanted && performance.now() < this.wanted.until;
+    const { pace = 1 } = this.page.state.status, now = late ? this.wanted.factor : pace;
     const faster = PACES.find((pace) => pace > now * 1.001) ?? null;
     const slower = PACES.findLast((pace) => pace < (now ?? Infinity) * 0.999) ?? PACES[0];
     if (direction > 0) this.pace(now === null ? null : faster);

@@ -23,6 +23,7 @@ export class Strip {
     put(find("waiting"), waits.join(", "));
     const sometimes = now - this.drawn > 500;
     if (sometimes) this.drawn = now;
+    find("speed-curve").hidden = Boolean(log);
     if (sometimes && !log) spark(find("speed-curve"), state.history.map((one) => [one.time, one.speed]), ink);
     for (const [name, { text, most }] of Object.entries(MEASURES)) {
       const value = status[name] ?? null, whole = log?.measures[name] ?? [];
