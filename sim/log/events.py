@@ -109,6 +109,8 @@ class News:
         """Events of what else is new besides the bodies' motion."""
         if engine.scenery.stage.hands:
             events.append(hands_event(engine))
+        if engine.scenery.stage.things_put:
+            events.append(things_put_event(engine))
         if engine.sensing.flags is not self._flags:
             self._flags = engine.sensing.flags
             events.append(sensed_event(engine))
@@ -236,6 +238,17 @@ def hands_event(engine: Engine) -> Event:
         "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
+
+
+def things_put_event(engine: Engine) -> Event:
+    """Which obstacles were put somewhere by hand before bodies moved in this tick."""
+    puts = engine.scenery.stage.things_put
+    values = {
+        "tick": engine.ticks,
+        "things": [number for number, _ in puts],
+        "poses": [part for _, pose in puts for part in pose],
+    }
+    return Event(engine.time, "/troupe/things_put", "troupe_msgs/ThingsPut", values)
 
 
 def last_event(engine: Engine) -> Event:

@@ -67,10 +67,11 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
         stage.add_robot(entry.model, pose)
     told = by_tick(contents.sent(reader))
     hands = {one["tick"]: one for _, one in reader.messages("/troupe/hands")}
+    things = {one["tick"]: one for _, one in reader.messages("/troupe/things_put")}
     digest = hashlib.sha256()
     tick = 0
     for tick, poses in kept(reader, loaded.world.clock.interval):
-        by_hand(stage, hands.get(tick))
+        by_hand(stage, hands.get(tick), things.get(tick))
         for row in told.get(tick, ()):
             obey(stage, row)
         stage.tick()
@@ -114,18 +115,22 @@ def at_door(layout: Layout, pose: tuple[float, float, float]) -> NDArray[np.floa
     return doors[same[0]] if len(same) else np.array(pose)
 
 
-def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
-    """Put down and settle robots, in the order in which that was done."""
-    if hands is None:
-        return
-    poses = hands["poses"].reshape(-1, 3)
-    for robot, settled, pose in zip(
-        hands["robots"].tolist(), hands["settled"].tolist(), poses, strict=True
-    ):
-        if settled:
-            stage.settle(robot)
-        else:
-            stage.put_down(robot, pose_of(pose))
+def by_hand(stage: Stage, hands: dict[str, Any] | None, things: dict[str, Any] | None) -> None:
+    """Put down and settle robots, and put down things, each in the order in which that was done."""
+    if hands is not None:
+        poses = hands["poses"].reshape(-1, 3)
+        for robot, settled, pose in zip(
+            hands["robots"].tolist(), hands["settled"].tolist(), poses, strict=True
+        ):
+            if settled:
+                stage.settle(robot)
+            else:
+                stage.put_down(robot, pose_of(pose))
+    if things is not None:
+        for number, pose in zip(
+            things["things"].tolist(), things["poses"].reshape(-1, 3), strict=True
+        ):
+            stage.put_movable_down(number, pose_of(pose))
 
 
 def by_tick(rows: NDArray[Any]) -> dict[int, NDArray[Any]]:

@@ -67,6 +67,9 @@ class Stage:
         """What no wheel did between the latest tick and the one before, in its order: robots put
         down at a pose, and robots that became standing bodies (None)."""
         self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
+        self.things_put: list[tuple[int, tuple[float, float, float]]] = []
+        """The same of obstacles that can be pushed: by number, and put down at which pose."""
+        self._things_put: list[tuple[int, tuple[float, float, float]]] = []
 
     # --- robots come, stand still, are moved by hand
 
@@ -136,12 +139,17 @@ class Stage:
         index = self._count + number  # robots come first there
         if not self._places.fitting({index: goal}, bodies, poses):
             return False
-        self._physics.put(number, goal)
+        self.put_movable_down(number, goal)
+        return True
+
+    def put_movable_down(self, number: int, at: tuple[float, float, float]) -> None:
+        """Put a movable obstacle down, at rest, where there is known to be room for it."""
+        self._things_put.append((number, at))
+        self._physics.put(number, at)
         record = self._movers[number]
-        record["x"], record["y"] = goal[0], goal[1]
+        record["x"], record["y"] = at[0], at[1]
         self._rest(record)
         self._changed = True
-        return True
 
     def command_of(self, robot: int) -> tuple[str, tuple[float, ...]]:
         """What a robot was commanded last.
@@ -261,6 +269,8 @@ class Stage:
         """
         if self._hands or self.hands:
             self.hands, self._hands = self._hands, []
+        if self._things_put or self.things_put:
+            self.things_put, self._things_put = self._things_put, []
         if self._changed:
             self._index()
         count = self._movables + self._count
