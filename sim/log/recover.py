@@ -15,7 +15,7 @@ from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from sim.log.blocks import PREFIX, message_indexes
-from sim.log.container import CHUNK, MAGIC, LogFile, chunk_index
+from sim.log.container import CHUNK, MAGIC, LogFile
 from sim.log.errors import LogError
 from sim.log.reader import DAMAGES, mapped, unpack
 from sim.log.writer import reason
@@ -77,7 +77,7 @@ def recover(source: Path, target: Path) -> Recovered:
     finally:
         if out is not None:
             out.close()
-    return Recovered(sum(out.tail.counts.values()), out.tail.last / 1e9, lost)
+    return Recovered(int(out.tail.counts.sum()), out.tail.last / 1e9, lost)
 
 
 def read(kind: Any, body: memoryview) -> Any:
@@ -93,14 +93,10 @@ def copy_chunk(
     channels, times, offsets = messages(records, out, known)
     if not len(times):
         return
-    indexes, places = message_indexes(channels, times, offsets)
-    begin = out.append(view[at:end], indexes.data)
-    places["offset"] += begin + end - at
+    indexes = message_indexes(channels, times, offsets)
+    begin = out.append(view[at:end], indexes.records)
     packed = end - at - CHUNK.size - 16
-    out.tail.chunks.append(
-        chunk_index(start, last, begin, end - at, places.tobytes(), len(indexes), packed, size)
-    )
-    out.tail.count(channels, start, last)
+    out.tail.chunk(indexes, start, last, begin, end - at, packed, size)
 
 
 def messages(
