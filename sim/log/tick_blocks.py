@@ -19,9 +19,9 @@ from sim.log.moment import Event, TickState
 from sim.log.readings import Memo, Stamps, odometry_blocks, reading_blocks, stamps_of
 from sim.stage.records import MOVER
 
-METRES, TURNS, SPEEDS = 2.0**10, 2.0**11, 2.0**14
+METRES, TURNS, SPEEDS = 2.0**10, 2.0**11, 2.0**20
 """Steps to which /tf and velocities are rounded: a millimetre, of quaternions what turns by 1e-3
-rad at the most, and 0.06 mm/s. Binary fractions end in zeros, which compress; the exact poses are
+rad at the most, and 1e-6 m/s. Binary fractions end in zeros, which compress; the exact poses are
 in /troupe/state."""
 TRANSFORMS = 64
 """Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""

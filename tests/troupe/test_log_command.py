@@ -136,7 +136,7 @@ def test_check_names_the_first_tick_and_robot_that_differ(
     assert not verdict.equal
     # a command takes effect one step of physics after its tick's beginning
     assert verdict.tick == 30
-    assert verdict.robot == "one"
+    assert verdict.who == "one"
     assert verdict.difference[0] != 0.0
 
 
