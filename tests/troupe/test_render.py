@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -23,6 +24,7 @@ from troupe.app import app
 from troupe.filmed import Filmed
 from troupe.log import LogError
 from troupe.render import render
+from troupe.show import Screen
 from troupe.usage import UsageError
 
 WORLD = """\
@@ -148,6 +150,27 @@ def test_a_rendered_picture_is_that_of_the_run(kept: Kept) -> None:
     show = ["fans", "names", "trails", "speech", "blobs"]
     assert render(kept.log, Filmed(picture=again, at=5.0, show=show)) is None
     assert (cv2.imread(str(again)) == cv2.imread(str(kept.still))).all()
+
+
+def test_rendering_tells_how_far_it_has_come(kept: Kept) -> None:
+    told: list[tuple[float, float]] = []
+    render(
+        kept.log,
+        Filmed(picture=kept.folder / "told.svg", at=5.0),
+        progress=lambda *both: told.append(both),
+    )
+    assert told == [(pytest.approx(0.1 * tick), 5.0) for tick in range(1, 51)]
+
+
+def test_a_terminal_gets_a_bar_while_a_log_is_rendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True  # type: ignore[method-assign]
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with Screen(quiet=False) as screen:
+        screen.rendered(5.0, 20.0)
+        screen.bar.refresh()
+    assert "5.0 s of 20" in terminal.getvalue()
 
 
 def test_what_shows_at_the_end_is_what_the_run_showed(kept: Kept) -> None:
