@@ -13,27 +13,20 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import zstandard
 from mcap import records as mcap
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from sim.log.blocks import ENTRY, INDEX, PLACE, PREFIX
 from sim.log.cdr import decode
-from sim.log.container import CHUNK, MAGIC
+from sim.log.container import MAGIC
 from sim.log.errors import LogError
-from sim.log.writer import FORMAT, reason
+from sim.log.source import DAMAGES, check_ours, mapped, unpack
 
 FOOT = struct.Struct("<BQQQI")
 KEPT = 4
 """Unpacked chunks that are kept."""
-DAMAGES = (
-    McapError, struct.error, zstandard.ZstdError, zlib.error, ValueError, KeyError, IndexError,
-    OverflowError, MemoryError, UnicodeDecodeError,
-)  # fmt: skip
-"""What comes of reading bytes that are not what they should be."""
 
 
 class ChunkPlace(NamedTuple):
@@ -74,7 +67,7 @@ class LogReader:
         except DAMAGES as error:
             raise self.damaged(error) from None
         self.about = self.metadata("troupe")
-        self._check_version()
+        check_ours(path, self.about, self.header.library if self.header else "")
 
     @property
     def size(self) -> int:
@@ -90,18 +83,20 @@ class LogReader:
 
     def _read_summary(self) -> None:
         data = self._map
-        self.header = self._record(len(MAGIC), Opcode.HEADER, mcap.Header)
         end = len(data) - len(MAGIC)
-        if data[end:] != MAGIC:
+        if end < len(MAGIC) + FOOT.size or data[end:] != MAGIC:
             raise LogError(
                 f"{self.path}: the log was cut off before its end: "
                 "`troupe log recover` makes a whole one of it"
             )
-        opcode, length, start, _, _ = FOOT.unpack_from(data, end - FOOT.size)
+        self.header = self._record(len(MAGIC), Opcode.HEADER, mcap.Header)
+        opcode, length, start, _, crc = FOOT.unpack_from(data, end - FOOT.size)
         if opcode != Opcode.FOOTER or length != 20 or not 0 < start < end:
             raise LogError(
                 f"{self.path}: the log has no summary: `troupe log recover` makes it anew"
             )
+        if crc and zlib.crc32(memoryview(data)[start : end - 4]) != crc:
+            raise ValueError("the checksum of its summary is wrong")
         schemas: dict[int, str] = {}
         for opcode, at, size in self._records(start, end - FOOT.size):
             if opcode == Opcode.CHUNK_INDEX:
@@ -121,21 +116,6 @@ class LogReader:
                 note = mcap.MetadataIndex.read(self._stream(at, size))
                 self._metadata[note.name] = note
         self.chunks.sort(key=lambda chunk: (chunk.start, chunk.at))
-
-    def _check_version(self) -> None:
-        if not self.about:
-            library = self.header.library if self.header else ""
-            raise LogError(
-                f"{self.path}: this MCAP file was not written by Troupe but by "
-                f"{library or 'another program'}: Foxglove, Lichtblick and Rerun open such files"
-            )
-        found = self.about.get("format", "")
-        if not found.isdecimal() or int(found) > FORMAT:
-            raise LogError(
-                f"{self.path}: the log is of a later version of Troupe "
-                f"({self.about.get('version', 'unknown')}; its format is {found or 'unknown'}, "
-                f"this version reads {FORMAT}): read it with that version"
-            )
 
     def _records(self, at: int, end: int) -> Iterator[tuple[int, int, int]]:
         """Opcode, place and size of the records between two offsets."""
@@ -304,49 +284,9 @@ class LogReader:
         return data
 
 
-MOST_UNPACKED = 1 << 31
-"""Bytes: a chunk that claims more is not one of ours."""
-
-
-def unpack(data: memoryview, at: int) -> bytes:
-    """The records of the chunk at an offset; ValueError for what is not whole."""
-    opcode, length, _, _, size, crc = CHUNK.unpack_from(data, at)
-    end = at + 9 + length
-    if opcode != Opcode.CHUNK or end > len(data) or size > MOST_UNPACKED:
-        raise ValueError("a chunk is not where it should be")
-    body = data[at + CHUNK.size : end]
-    (name,) = struct.unpack_from("<I", body)
-    kind = bytes(body[4 : 4 + name])
-    (packed,) = struct.unpack_from("<Q", body, 4 + name)
-    content = body[12 + name : 12 + name + packed]
-    if kind == b"zstd":
-        found = zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
-    elif kind == b"":
-        found = bytes(content)
-    else:
-        raise ValueError(f"a chunk is packed in a way that Troupe never uses: {kind!r:.20}")
-    if len(found) != size or (crc and zlib.crc32(found) != crc):
-        raise ValueError("a chunk's checksum is wrong")
-    return found
-
-
 def chunk_place(data: mmap.mmap, at: int, size: int) -> ChunkPlace:
     """A ChunkIndex record."""
     start, end, place, _, length = struct.unpack_from("<QQQQI", data, at)
     if 36 + length > size:
         raise ValueError("a chunk's index is longer than its record")
     return ChunkPlace(start, end, place, np.frombuffer(data[at + 36 : at + 36 + length], PLACE))
-
-
-def mapped(path: Path) -> mmap.mmap:
-    """A file's bytes; LogError for what cannot be read or is no MCAP file."""
-    try:
-        with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise LogError(f"{path}: is not an MCAP file, so it is no log of a run")
-            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    except (OSError, ValueError) as error:
-        if isinstance(error, LogError):
-            raise
-        what = reason(error) if isinstance(error, OSError) else str(error)
-        raise LogError(f"{path}: cannot be read: {what}") from None

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim.log.blocks import PREFIX, message_indexes
 from sim.log.container import CHUNK, MAGIC, LogFile
 from sim.log.errors import LogError
-from sim.log.reader import DAMAGES, mapped, unpack
+from sim.log.source import DAMAGES, check_ours, mapped, unpack
 from sim.log.writer import reason
 
 
@@ -39,6 +39,7 @@ def recover(source: Path, target: Path) -> Recovered:
     out: LogFile | None = None
     lost, at = 0, len(MAGIC)
     known: set[tuple[str, int]] = set()
+    ours, library = False, ""
     try:
         while at + 9 <= len(data):
             opcode, size = struct.unpack_from("<BQ", data, at)
@@ -47,10 +48,13 @@ def recover(source: Path, target: Path) -> Recovered:
                 break
             body = view[at + 9 : end]
             if opcode == Opcode.HEADER:
-                out = LogFile(target, read(mcap.Header, body).library)
+                library = read(mcap.Header, body).library
+                out = LogFile(target, library)
             elif out is None:
                 break
             elif opcode == Opcode.CHUNK:
+                if not ours:
+                    break
                 try:
                     copy_chunk(out, view, at, end, known)
                 except DAMAGES:
@@ -60,10 +64,17 @@ def recover(source: Path, target: Path) -> Recovered:
                 out.attach(one.name, one.media_type, one.data)
             elif opcode == Opcode.METADATA:
                 note = read(mcap.Metadata, body)
+                if note.name == "troupe":
+                    check_ours(source, note.metadata, library)
+                    ours = True
                 out.note(note.name, note.metadata)
             at = end
+        if out is not None and not ours:
+            check_ours(source, {}, library)
         if out is None or not out.tail.chunks:
-            raise LogError(f"{source}: there is nothing in it that could be saved")
+            raise LogError(
+                f"{source}: there is nothing in it that could be saved: run the world again"
+            )
         out.finish()
     except LogError:
         target.unlink(missing_ok=True)
