@@ -53,7 +53,7 @@ class TickBlocks:
         self.second = NEVER  # the last one that /clock has told
 
     def blocks(self, ticks: Sequence[TickState]) -> list[Block]:
-        """Blocks of ticks with the same robots, in their order."""
+        """Blocks of what moved and changed in ticks with the same robots, in their order."""
         if not ticks:
             return []
         when = stamps_of(ticks)
@@ -63,9 +63,16 @@ class TickBlocks:
         found += self.transform_blocks(poses, when)
         found.append(self.state_block(ticks, poses, when))
         found += self.change_blocks(ticks)
+        return found
+
+    def sensed_blocks(self, ticks: Sequence[TickState]) -> list[Block]:
+        """Blocks of what was sensed in such ticks, as far as it is kept."""
+        if not ticks:
+            return []
+        found = reading_blocks(self.channels, ticks)
         if ticks[0].odometry is not None:
+            when = stamps_of(ticks)
             found += odometry_blocks(self.channels, self.odometry, self.names, ticks, when)
-        found += reading_blocks(self.channels, ticks)
         return found
 
     def clock_blocks(self, when: Stamps) -> list[Block]:
