@@ -21,7 +21,8 @@ from sim.log.blocks import Block, Indexes, message_indexes
 from sim.log.definitions import whole
 
 MAGIC = b"\x89MCAP0\r\n"
-CHUNK = struct.Struct("<BQQQQI")
+CHUNK_HEAD = struct.Struct("<QQQI")
+"""How a Chunk record begins: first and last time (ns), bytes of its records, their CRC32."""
 LEVEL = 1
 """Of zstd; higher ones cost more than they save (a hundredth at 3)."""
 NO_CRC = 0
@@ -216,12 +217,13 @@ class LogFile:
         times = np.concatenate([spread(one.times, one.shape) for one in blocks])
         start, end = int(times.min()), int(times.max())
         packed = self.compressor.compress(data.data)
-        length = CHUNK.size - 9 + 4 + 4 + 8 + len(packed)
         prefix = (
-            CHUNK.pack(Opcode.CHUNK, length, start, end, size, NO_CRC)
+            CHUNK_HEAD.pack(start, end, size, NO_CRC)
             + b"\x04\0\0\0zstd"
             + struct.pack("<Q", len(packed))
         )
+        length = len(prefix) + len(packed)
+        prefix = struct.pack("<BQ", Opcode.CHUNK, length) + prefix
         indexes = message_indexes(channels, times, np.concatenate(offsets).astype(np.uint64))
         at = self.append(prefix, packed, indexes.records)
         self.tail.chunk(indexes, start, end, at, 9 + length, len(packed), size)
