@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,15 @@ BUMPER = EYES["bumper"]
 NOBODY: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 """No robot's way is asked for."""
 NO_WAYS: Floats = np.zeros((0, 1, 3))
+
+
+class Hand(NamedTuple):
+    """Something that was put down at a pose, or a robot that became a standing body (None)."""
+
+    number: int
+    """A robot, or a movable obstacle in the layout's order."""
+    pose: tuple[float, float, float] | None
+    movable: bool = False
 
 
 class Stage:
@@ -63,13 +72,9 @@ class Stage:
         self._changed = True
         self.told = 0
         """How many commands there have been, motors switched and robots come included."""
-        self.hands: list[tuple[int, tuple[float, float, float] | None]] = []
-        """What no wheel did between the latest tick and the one before, in its order: robots put
-        down at a pose, and robots that became standing bodies (None)."""
-        self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
-        self.things_put: list[tuple[int, tuple[float, float, float]]] = []
-        """The same of obstacles that can be pushed: by number, and put down at which pose."""
-        self._things_put: list[tuple[int, tuple[float, float, float]]] = []
+        self.hands: list[Hand] = []
+        """What no wheel did between the latest tick and the one before, in its order."""
+        self._hands: list[Hand] = []  # since then
 
     # --- robots come, stand still, are moved by hand
 
@@ -101,7 +106,7 @@ class Stage:
             return
         self._physics.settle(self._movables + robot)
         record["standing"], record["driven"] = True, False
-        self._hands.append((robot, None))
+        self._hands.append(Hand(robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
         self._stalls[robot] = False
@@ -144,7 +149,7 @@ class Stage:
 
     def put_movable_down(self, number: int, at: tuple[float, float, float]) -> None:
         """Put a movable obstacle down, at rest, where there is known to be room for it."""
-        self._things_put.append((number, at))
+        self._hands.append(Hand(number, at, movable=True))
         self._physics.put(number, at)
         record = self._movers[number]
         record["x"], record["y"] = at[0], at[1]
@@ -164,7 +169,7 @@ class Stage:
     def put_down(self, robot: int, at: tuple[float, float, float]) -> None:
         """Put a robot down, at rest, at a pose where there is known to be room for it."""
         record = self._record(robot)
-        self._hands.append((robot, at))
+        self._hands.append(Hand(robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]
         self._rest(record)
@@ -269,8 +274,6 @@ class Stage:
         """
         if self._hands or self.hands:
             self.hands, self._hands = self._hands, []
-        if self._things_put or self.things_put:
-            self.things_put, self._things_put = self._things_put, []
         if self._changed:
             self._index()
         count = self._movables + self._count
