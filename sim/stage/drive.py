@@ -6,6 +6,8 @@ import math
 from typing import Any
 
 from sim.stage.compiled import compiled
+from sim.stage.intrinsics import floats_at
+from sim.stage.memory import FORCE, SPIN, TORQUE, VELOCITY
 from sim.stage.records import (
     CAR,
     HEADING,
@@ -99,15 +101,12 @@ def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
 
 @compiled
 def want(state: Any, movers: Any, count: int, dt: float) -> None:
-    """Update the wanted twists of the first `count` movers for a step of `dt` seconds.
-
-    state (b, 6): the bodies' table.
-    """
+    """Update the wanted twists of the first `count` movers for a step of `dt` seconds."""
     for i in range(count):
         mover = movers[i]
         if not mover.driven:
             continue
-        body = state[mover.row]
+        body = state[i]
         vx, vy, wz = 0.0, 0.0, 0.0
         if mover.motors:
             vx, vy, wz = _set_point(mover, body[0], body[1], body[2], dt)
@@ -117,11 +116,11 @@ def want(state: Any, movers: Any, count: int, dt: float) -> None:
 
 
 @compiled
-def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, substep: float) -> None:
-    """Write what makes the bodies move as wanted in a step of `dt`, cut to substeps of `substep` s.
+def lead(state: Any, movers: Any, count: int, dt: float, substep: float) -> None:
+    """Give Chipmunk what moves bodies as wanted in a step of `dt`, cut to substeps of `substep` s.
 
-    orders (b, 6): velocities (as they are, but for the bodies that lead robots) and forces. A
-    robot that follows a leader is moved by its joints. All others are far from everything, and
+    That is leaders' velocities, and forces, which act for one substep. A robot that follows a
+    leader is moved by its joints. All others are far from everything, and
     the same limited impulse is a force on them in the first substep: the velocity after the step
     is the same either way.
 
@@ -129,22 +128,19 @@ def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, substep: f
     next step. So the wanted direction is that of the heading halfway through the next step;
     with it an arc of many steps stays on its circle.
     """
-    for i in range(orders.shape[0]):
-        orders[i, 0], orders[i, 1], orders[i, 2] = state[i, 3], state[i, 4], state[i, 5]
-        orders[i, 3], orders[i, 4], orders[i, 5] = 0.0, 0.0, 0.0
     for i in range(count):
         mover = movers[i]
         if not mover.driven:
             continue
-        body = state[mover.row]
+        body = state[i]
         yaw = body[2] + body[5] * substep + mover.wanted_turn * substep / 2.0
         cosine, sine = math.cos(yaw), math.sin(yaw)
         mover.axis_x, mover.axis_y = cosine, sine
         vx = mover.wanted_x * cosine - mover.wanted_y * sine
         vy = mover.wanted_x * sine + mover.wanted_y * cosine
-        if mover.control >= 0:
-            leader = orders[mover.control]
-            leader[0], leader[1], leader[2] = vx, vy, mover.wanted_turn
+        if mover.leader != 0:
+            leader = floats_at(mover.leader)
+            leader[VELOCITY], leader[VELOCITY + 1], leader[SPIN] = vx, vy, mover.wanted_turn
             continue
         dx, dy = (vx - body[3]) * mover.mass, (vy - body[4]) * mover.mass
         push, most = math.hypot(dx, dy), mover.max_force * dt
@@ -152,8 +148,8 @@ def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, substep: f
             dx, dy = dx * most / push, dy * most / push
         most = mover.max_torque * dt
         spin = min(most, max(-most, (mover.wanted_turn - body[5]) * mover.moment))
-        order = orders[mover.row]
-        order[3], order[4], order[5] = dx / substep, dy / substep, spin / substep
+        own = floats_at(mover.body)
+        own[FORCE], own[FORCE + 1], own[TORQUE] = dx / substep, dy / substep, spin / substep
 
 
 @compiled
@@ -161,7 +157,7 @@ def account(state: Any, movers: Any, count: int, dt: float) -> None:
     """After a step of `dt`: the way gone, and how much of what was wanted was done."""
     for i in range(count):
         mover = movers[i]
-        body = state[mover.row]
+        body = state[i]
         mover.distance += math.hypot(body[0] - mover.x, body[1] - mover.y)
         mover.x, mover.y = body[0], body[1]
         if not mover.driven:
@@ -207,7 +203,7 @@ def report(
     """
     for i in range(first, count):
         mover = movers[i]
-        body = state[mover.row]
+        body = state[i]
         at = i - first
         poses[at, 0], poses[at, 1], poses[at, 2] = body[0], body[1], _wrap(body[2])
         cosine, sine = mover.axis_x, mover.axis_y
