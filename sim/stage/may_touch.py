@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled
 from sim.stage.distance_field import clear_of
 from sim.stage.substeps import sort_by_x
 
@@ -28,6 +28,7 @@ def count_calm_ticks(
     goes as fast as who pushes. Returns how many robots must get or lose their joints, and that
     speed in m/s: should anything go faster, look again.
     """
+    state, movers, order, cells = bare(state), bare(movers), bare(order), bare(cells)
     sort_by_x(order, state, count)
     fastest, widest = 0.0, 0.0
     for i in range(count):

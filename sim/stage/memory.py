@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled
 from sim.stage.intrinsics import floats_at
 
 POSITION, VELOCITY, FORCE, ANGLE, SPIN, TORQUE = 0, 2, 4, 6, 7, 8
@@ -19,6 +19,7 @@ POSITION, VELOCITY, FORCE, ANGLE, SPIN, TORQUE = 0, 2, 4, 6, 7, 8
 @compiled
 def read_bodies(state: Any, movers: Any, count: int) -> None:
     """Fill state (count, 6): x, y, angle, vx, vy and angular velocity of the movers' bodies."""
+    state, movers = bare(state), bare(movers)
     for i in range(count):
         body = floats_at(movers[i].body)
         state[i, 0], state[i, 1], state[i, 2] = body[POSITION], body[POSITION + 1], body[ANGLE]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.stage import drive
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled
 from sim.stage.intrinsics import (
     floats_at,
     for_each,
@@ -95,6 +95,8 @@ def run_steps(
     Returns the place; the contacts (t, CONTACT) of all substeps; and the notes (m, k, 3) of x, y
     and yaw, at the beginning of the tick and after every substep.
     """
+    machine, state, movers, order = bare(machine), bare(state), bare(movers), bare(order)
+    cells, outlines, sides = bare(cells), bare(outlines), bare(sides)
     contacts = np.empty((0, CONTACT))
     notes = np.empty((0, len(traced), 3))
     rows, noted, number = 0, 0, 0

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled, inlined
 from sim.stage.distance_field import clear_of
 from sim.stage.limits import DEEPEST, MOST_RATIO, MOST_SUBSTEPS
 
@@ -30,7 +30,7 @@ substeps with its root: together with the speed of closing this kept overlaps be
 crowds of robots of all shapes with masses from 1 to 1000 and drives of 100 m/s2."""
 
 
-@compiled
+@inlined
 def gain(body: Any, mover: Any, dt: float) -> tuple[float, float]:
     """How much a drive can change a body's velocity (m/s) and turn rate (rad/s) in a step."""
     if not mover.driven:
@@ -45,6 +45,7 @@ def gain(body: Any, mover: Any, dt: float) -> tuple[float, float]:
 @compiled
 def sort_by_x(order: Any, state: Any, count: int) -> None:
     """Insertion sort of movers by x: nearly sorted already, as bodies move little in a step."""
+    order, state = bare(order), bare(state)
     for i in range(1, count):
         k = order[i]
         x = state[k, 0]
@@ -55,7 +56,7 @@ def sort_by_x(order: Any, state: Any, count: int) -> None:
         order[j + 1] = k
 
 
-@compiled
+@inlined
 def _beyond(
     corners: Any, sides: int, pose: Any, others: Any, other_sides: int, there: Any, radius: float
 ) -> float:
@@ -87,7 +88,7 @@ def _beyond(
     return most
 
 
-@compiled
+@inlined
 def _gap(one: Any, two: Any, mover: Any, other: Any, outlines: Any, sides: Any) -> float:
     """A lower bound of the distance in metres between two bodies' outlines."""
     n, m = sides[mover.shape], sides[other.shape]
@@ -123,6 +124,8 @@ def count_substeps(
     Only robots that follow a leader and passive bodies are looked at: no other can meet anything
     in this tick.
     """
+    state, movers, order = bare(state), bare(movers), bare(order)
+    cells, outlines, sides = bare(cells), bare(outlines), bare(sides)
     sort_by_x(order, state, count)
     fastest, largest, quickest = 0.0, 0.0, 0.0
     for i in range(count):
