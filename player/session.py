@@ -14,7 +14,6 @@ the protocol. Rules of the queue after Player's TCP server:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from player import messages
 from player.codes import (
@@ -27,7 +26,7 @@ from player.codes import (
     PlayerRequest,
     Synch,
 )
-from player.directory import Directory
+from player.directory import Datum, Directory
 from player.errors import ProtocolError, XdrError
 from player.events import (
     Command,
@@ -40,10 +39,9 @@ from player.events import (
     Subscribed,
     Unsubscribed,
 )
-from player.familiar import Familiar
 from player.header import HEADER, TIME, Message, MessageReader
 from player.outbox import Outbox
-from player.usual import Commands, read_commands
+from player.usual_commands import UsualCommands
 from player.xdr import Values
 
 __all__ = [
@@ -67,17 +65,11 @@ MAX_REQUEST = 1 << 20
 BACKLOG_LIMIT = 1 << 20
 """Bytes of replies that may wait to be written before no further request is looked at."""
 
-LONGEST_FAMILIAR = 1 << 12
-"""Bytes of the longest piece that is remembered, in case the client sends its like again."""
-
 _PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
 
 _ASKED_OF_US = frozenset((_CMD, _REQ))
+_PULL = DataMode.PULL
 _SERVED, _UNSERVED = DataRequested(served=True), DataRequested(served=False)
-_new = tuple.__new__  # a quarter of the time that the named tuple's own constructor takes
-
-Datum = tuple[DeviceAddr, int, bytes]
-"""Data of a device: its address there, the subtype, the payload."""
 
 
 class Session:
@@ -112,8 +104,7 @@ class Session:
         self._held_ack = False
         self._pending: dict[int, Request] = {}
         self._requests = 0
-        self._familiar = Familiar(read_commands)
-        self._longest = min(LONGEST_FAMILIAR, max_request)
+        self._usual = UsualCommands(directory, max_request)
 
     # -- bytes in ---------------------------------------------------------------------------
 
@@ -126,12 +117,12 @@ class Session:
         events: list[Event] = []
         if self.broken:
             return events
-        if data and len(data) <= self._longest and not self._reader.buffered:
-            found = self._familiar.match(data)
-            if found is not None and self._outbox.backlog <= BACKLOG_LIMIT:
-                self._do_as_usual(*found, events)
+        if not self._reader.buffered and self._outbox.backlog <= BACKLOG_LIMIT:
+            usual = self._usual.hear(data, events)
+            if usual is not None:
+                if usual.asks:
+                    self._ask(usual.seq, events)
                 return events
-            self._familiar.learn(data)
         if data:
             self._reader.feed(data)
         try:
@@ -144,15 +135,6 @@ class Session:
             self.broken = True
             events.append(Malformed(str(error)))
         return events
-
-    def _do_as_usual(self, usual: Commands, parts: tuple[Any, ...], events: list[Event]) -> None:
-        for addr, subtype, name, read, at in usual.commands:
-            if addr in self.directory:
-                events.append(_new(Command, (addr, subtype, read(parts[at]), name)))
-            else:
-                events.append(Ignored(f"there is no device {addr}"))
-        if usual.asks:
-            self._ask(usual.seq, events)
 
     @property
     def backlog(self) -> int:
@@ -289,8 +271,9 @@ class Session:
         events.append(ModeChanged(self.mode))
 
     def _ask(self, seq: int, events: list[Event]) -> None:
-        if self.mode is not DataMode.PULL:
-            self._outbox.say(self._data_ack(seq))
+        outbox = self._outbox
+        if self.mode is not _PULL:
+            outbox.say(self._data_ack(seq))
             return
         if self._held_ack:
             self._release_ack()  # asked twice: each request has its one answer
@@ -298,8 +281,8 @@ class Session:
         if self.patient:
             self._held_ack = True
         else:
-            self._outbox.say_later(self._data_ack(seq))
-        if self._outbox and not self._open_round:
+            outbox.say_later(self._data_ack(seq))
+        if outbox.queued and not self._open_round:
             self._serve()
             events.append(_SERVED)
         else:
@@ -397,27 +380,31 @@ class Session:
 
         Of each device and subtype there is one at the most.
         """
-        outbox = self._outbox
-        queued = outbox or outbox.dropped or outbox.ignores or len(data) > outbox.limit
-        if queued or self._open_round or not self.waiting:
-            for addr, subtype, payload in data:
-                self.publish(addr, subtype, payload, time)
-            self.end_of_round()
+        piece = self.round_at_once(data, time)
+        if piece is not None:
+            self._outbox.say(piece)
             return
-        # the client waits, and nothing else does: what it gets is all of this
-        directory, subscribed, stamp = self.directory, self.subscribed, TIME.pack(time)
-        parts: list[bytes] = []
         for addr, subtype, payload in data:
-            if addr in subscribed:
-                front = directory.front(*addr, _DATA, subtype)
-                parts += (front, stamp, len(payload).to_bytes(8), payload)
+            self.publish(addr, subtype, payload, time)
+        self.end_of_round()
+
+    def round_at_once(self, data: Sequence[Datum], time: float) -> bytes | None:
+        """The same as one piece, which is to be written before anything else.
+
+        Only if that is all the client waits for, and there is data; None otherwise: nothing has
+        changed then.
+        """
+        outbox = self._outbox
+        if not self.waiting or self._open_round or not outbox.idle or len(data) > outbox.limit:
+            return None
+        parts = self.directory.tell(data, self.subscribed, time)
         if not parts:
-            return
-        parts.append(_SYNCH_OK)
+            return None
+        before = outbox.take()
         if self._held_ack:
-            parts.insert(0, self._data_ack())
-        outbox.say(b"".join(parts))
+            before += self._data_ack()
         self._held_ack = self.waiting = False
+        return b"".join((before, *parts, _SYNCH_OK))
 
     def keep_newest(self) -> None:
         """Data that waits is no more than the newest of each kind, unless the client has rules."""
@@ -426,7 +413,7 @@ class Session:
     def end_of_round(self) -> None:
         """All data of a tick has been published: it goes out if the client has asked for it."""
         self._open_round = False
-        if not self._outbox:
+        if not self._outbox.queued:
             return
         if self.waiting:
             self._serve()
