@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterable
 
 from player import messages
 from player.codes import DeviceAddr, MessageType
-from player.directory import Directory
+from player.directory import Datum, Directory
 from player.events import Command, Request
 from player.server import Connection
-from player.session import Datum
 from sim.devices.device import Context, Device, Refused
 from sim.robot import Robot
 
@@ -158,7 +157,6 @@ class Switchboard:
         """
         failed = []
         for connection, devices in self.connections.items():
-            session = connection.session
             data: list[Datum] = []
             try:
                 for device, addr in devices.items():
@@ -166,8 +164,7 @@ class Switchboard:
                         data.append((addr, subtype, payload))
             except Exception as error:
                 failed.append((connection, error))
-            session.publish_round(data, time)
-            connection.flush()
+            connection.publish_round(data, time)
         return failed
 
     def show_again(self, connection: Connection, time: float) -> None:
