@@ -17,7 +17,7 @@ from player.directory import Datum, Directory
 from player.session import Event, Malformed, Session
 from player.transport import hurry, quick_acknowledge
 
-RECEIVE_SIZE = 1 << 16
+RECEIVE_SIZE = 1 << 14
 """Bytes taken from one connection before the others have their turn."""
 
 MAX_CONNECTIONS = 512
@@ -319,13 +319,14 @@ class Server:
     def _take(self, connection: Connection, data: bytes) -> None:
         session = connection.session
         while True:
-            for event in session.receive(data):
-                self._events.append((connection, event))
-                if type(event) is Malformed:
+            events = session.receive(data)
+            self._events += [(connection, event) for event in events]
+            if session.broken:
+                if events and type(events[-1]) is Malformed:
                     self._write(connection)
                     if connection.is_open:
-                        self._lose(connection, f"not Player's protocol: {event.reason}")
-                    return
+                        self._lose(connection, f"not Player's protocol: {events[-1].reason}")
+                return
             if not session.stalled:
                 return
             self._write(connection)

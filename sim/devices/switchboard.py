@@ -44,7 +44,7 @@ class Switchboard:
         self.context = context
         self.say = say
         self.complained: dict[Connection, set[Robot]] = {}  # people have been told, of these robots
-        self.ports: dict[int, Port] = {}  # by the identity of the directory
+        self.ports: dict[Directory, Port] = {}
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
         self.changed = True  # what is wanted has changed since `wanted` was last read
@@ -54,12 +54,12 @@ class Switchboard:
     def add_port(self) -> Port:
         """A new port that serves nothing yet."""
         port = Port()
-        self.ports[id(port.directory)] = port
+        self.ports[port.directory] = port
         return port
 
     def port(self, connection: Connection) -> Port:
         """The port that a connection came in by."""
-        return self.ports[id(connection.session.directory)]
+        return self.ports[connection.session.directory]
 
     def stamp(self, time: float) -> None:
         """Replies carry this simulated time from now on."""
@@ -100,7 +100,7 @@ class Switchboard:
     def command(self, connection: Connection, event: Command) -> Device:
         """Pass a command to its device, which is returned."""
         context = self.context
-        device = self.ports[id(connection.session.directory)].devices[event.addr]
+        device = self.ports[connection.session.directory].devices[event.addr]
         paused = context.paused
         context.client = connection
         try:
