@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import select
 import socket
 from collections.abc import Callable
 from time import monotonic
@@ -60,6 +61,7 @@ class Link:
         self._queued = 0
         self._reader = MessageReader()
         self._tcp = place.sock is None
+        self._readable: select.poll | None = None  # of a socket pair
         self._waits: float | None = None
         if place.sock is not None:
             self.address = "the inherited socket"
@@ -136,6 +138,8 @@ class Link:
         self._queued = 0
         try:
             self._socket.sendall(data)
+            if not self._tcp:
+                (self._readable or self._watch()).poll()
             got = self._socket.recv(RECEIVE_SIZE)
         except (BrokenPipeError, ConnectionResetError):
             got = self._receive(FOR_EVER, RECEIVE_SIZE)  # its last words
@@ -146,6 +150,16 @@ class Link:
         if self._tcp:
             quick_acknowledge(self._socket)
         return got
+
+    def _watch(self) -> select.poll:
+        """What waits for data at a socket pair, and for nothing else.
+
+        Linux wakes whoever waits in recv also when the other end has read what was sent: to find
+        nothing, and to wait again.
+        """
+        self._readable = select.poll()
+        self._readable.register(self._socket, select.POLLIN)
+        return self._readable
 
     def feed(self, data: bytes) -> None:
         """Has `next` begin with what has been received otherwise."""
