@@ -107,7 +107,7 @@ class Link:
             message = self._reader.take()
             if message is not None:
                 return message
-            self.feed(self.receive(deadline))
+            self._reader.feed(self.receive(deadline))
 
     @property
     def buffered(self) -> int:
@@ -147,8 +147,6 @@ class Link:
             self._break(error)
         if not got:
             self.end()
-        if self._tcp:
-            quick_acknowledge(self._socket)
         return got
 
     def _watch(self) -> select.poll:
@@ -162,7 +160,9 @@ class Link:
         return self._readable
 
     def feed(self, data: bytes) -> None:
-        """Has `next` begin with what has been received otherwise."""
+        """Has `next` begin with what has been received otherwise: the rest is still to come."""
+        if self._tcp:
+            quick_acknowledge(self._socket)
         self._reader.feed(data)
 
     def waiting(self) -> Message | None:

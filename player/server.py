@@ -312,9 +312,9 @@ class Server:
         if not data:
             self._lose(connection, "the client closed the connection")
             return
-        if connection.port:
-            quick_acknowledge(sock)
         self._take(connection, data)
+        if connection.port and connection.is_open and not connection.session.waiting:
+            quick_acknowledge(sock)  # else the data acknowledges it
 
     def _take(self, connection: Connection, data: bytes) -> None:
         session = connection.session
