@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from time import monotonic
 from typing import Any, NamedTuple
 
+from player.codes import DataMode
 from player.directory import Datum, Directory
 from player.session import Event, Malformed, Session
 from player.transport import hurry, quick_acknowledge
@@ -24,6 +25,8 @@ MAX_CONNECTIONS = 512
 """Connections accepted over TCP at a time; further ones are closed at once."""
 
 LISTEN_BACKLOG = 128
+
+_PULL = DataMode.PULL
 
 HELD_FOR = 0.05
 """Wall-clock seconds for which the news that a request for data has been heard waits for the data,
@@ -301,20 +304,32 @@ class Server:
         self._write(connection)  # the banner at once, in one write
 
     def _read(self, connection: Connection) -> None:
-        sock = connection._socket
+        """Takes what has come. Of a client over TCP, what comes for an acknowledgement as well.
+
+        Who writes a command and then a request, with Nagle's algorithm on as in Player's own
+        library, has the request wait until the command is acknowledged.
+        """
+        session = connection.session
+        if not self._receive(connection) or not connection.port or session.waiting:
+            return  # what is said to a client acknowledges what came
+        quick_acknowledge(connection._socket)
+        if session.mode is _PULL:
+            self._receive(connection)
+
+    def _receive(self, connection: Connection) -> bool:
+        """Takes bytes that have come; False if there are none, or will be none any more."""
         try:
-            data = sock.recv(RECEIVE_SIZE)
+            data = connection._socket.recv(RECEIVE_SIZE)
         except (BlockingIOError, InterruptedError):
-            return
+            return False
         except OSError as error:
             self._lose(connection, f"the connection broke: {error.strerror}")
-            return
+            return False
         if not data:
             self._lose(connection, "the client closed the connection")
-            return
+            return False
         self._take(connection, data)
-        if connection.port and connection.is_open and not connection.session.waiting:
-            quick_acknowledge(sock)  # else the data acknowledges it
+        return connection.is_open
 
     def _take(self, connection: Connection, data: bytes) -> None:
         session = connection.session

@@ -180,6 +180,19 @@ def test_who_waits_for_data_is_acknowledged_with_the_data(server, sockets, monke
     assert len(asked) == 1
 
 
+def test_a_request_that_nagle_has_held_back_is_heard_with_the_command_before_it(
+    server, sockets, monkeypatch
+):
+    """It is on its way as soon as the command is acknowledged."""
+    ours, client = sockets.pair()
+    monkeypatch.setattr("player.server.quick_acknowledge", lambda sock: client.sendall(ASK))
+    connection = server._add(ours, directory(), False, "as if over TCP", 6665)
+    connection.session.receive(data_mode(PULL))
+    client.sendall(velocity(1.0))
+    heard = [type(event) for _, event in server.poll(PATIENCE)]
+    assert heard == [Command, DataRequested]
+
+
 def test_an_adopted_socket_speaks_the_same_protocol(server, sockets):
     ours, client = sockets.pair()
     connection = server.adopt(ours, directory(), peer="robot r1")
