@@ -44,7 +44,7 @@ SETTINGS: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable":
 
 
 class Commands(TyperGroup):
-    """The commands, each loaded when it is asked for: who wants one does not wait for the others."""
+    """The commands, each loaded when it is asked for: who wants one waits for no other."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
