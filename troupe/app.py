@@ -48,7 +48,8 @@ class Commands(TyperGroup):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        self.commands = dict.fromkeys(MODULES)  # the names: close ones are suggested
+        names: Any = dict.fromkeys(MODULES)  # close ones are suggested
+        self.commands = names
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command of a name; None if there is none."""

@@ -52,6 +52,7 @@ def distrust_cache() -> None:
 
     file: Any = caching.IndexDataCacheFile
     cache: Any = caching.Cache
+    surroundings: Any = environment
     if hasattr(file, "_troupe"):
         return
     file._troupe = True
@@ -90,19 +91,19 @@ def distrust_cache() -> None:
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
 
-    rebuild = environment._rebuild_env
+    rebuild = surroundings._rebuild_env
 
     def environment_of(module: str, constants: Any, name: str) -> Any:
-        known = environment.lookup_environment(name)
+        known = surroundings.lookup_environment(name)
         if known is not None or module in sys.modules or not module.startswith("numba."):
             return rebuild(module, constants, name)
-        made: Any = environment.Environment({"__name__": module})  # of which only Python code reads
+        made: Any = surroundings.Environment({"__name__": module})  # for Python code
         made.consts[:] = constants
         made.env_name = name
-        environment.Environment._memo[name] = made
+        surroundings.Environment._memo[name] = made
         return made
 
-    environment._rebuild_env = environment_of
+    surroundings._rebuild_env = environment_of
     file._dump = lambda self, data: sealed(dump(self, data))
     cache.load_overload = load_unprepared
     cache._load_overload = loaded

@@ -14,8 +14,7 @@ from mcap.writer import Writer
 import troupe
 from sim.log.container import LogFile
 from sim.log.replay import check
-from tests.patience import PATIENCE
-from tests.processes import environment, troupe_command
+from tests import started
 from troupe import tables
 from troupe.log import LogError
 
@@ -54,10 +53,7 @@ with PlayerClient() as robot:
 
 
 def command(*words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        troupe_command("log", *words),
-        env=environment(), capture_output=True, text=True, check=False, timeout=PATIENCE,
-    )  # fmt: skip
+    return started.troupe("log", *words)
 
 
 @pytest.fixture(scope="module")

@@ -245,7 +245,7 @@ def refuted(scan: Scan, region: Region, places: Floats, radii: Floats) -> Mask:
     free = region.depth(points) < HALF
     ahead = np.flatnonzero(~free)
     free[ahead] = seen_free(scan, points[ahead, 0], points[ahead, 1], 0.1)
-    all_free: Mask = free.reshape(len(places), -1).all(axis=1)
+    all_free: Mask = np.logical_and.reduce(free.reshape(len(places), -1), axis=1)
     return all_free
 
 

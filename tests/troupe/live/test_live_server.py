@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import troupe
 from sim.view.frames import MOMENT, STATUS
+from tests import started
 from tests.patience import PATIENCE
 from troupe.app import app
 from troupe.live.entrance import answer, known_host
@@ -216,11 +217,8 @@ def test_the_command_tells_the_address_and_takes_one(tmp_path: Path) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    done = subprocess.run(
-        [sys.executable, "-m", "troupe", "run", "wander", "--duration", "0.5", "--json",
-         "--no-open", "--view", f"127.0.0.1:{port}"],
-        capture_output=True, text=True, timeout=PATIENCE, check=False,
-    )  # fmt: skip
+    words = ("--duration", "0.5", "--json", "--no-open", "--view", f"127.0.0.1:{port}")
+    done = started.troupe("run", "wander", *words)
     assert done.returncode == 0, done.stderr
     assert f"watch it at http://127.0.0.1:{port}/" in done.stderr
     assert json.loads(done.stdout)["touched"] == []
@@ -233,10 +231,7 @@ def test_an_address_that_cannot_be_had_is_bad_usage(address: str) -> None:
         taken.listen()
         if address == "127.0.0.1:1":
             address = f"127.0.0.1:{taken.getsockname()[1]}"
-        done = subprocess.run(
-            [sys.executable, "-m", "troupe", "run", "wander", "--view", address, "--no-open"],
-            capture_output=True, text=True, timeout=PATIENCE, check=False,
-        )  # fmt: skip
+        done = started.troupe("run", "wander", "--view", address, "--no-open")
     assert done.returncode == 2, done.stderr
     assert address in done.stderr
     assert "Traceback" not in done.stderr
