@@ -13,7 +13,6 @@ from typing import Any
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-
 _null: Any = cgutils.get_null_value
 _tuple: Any = types.BaseTuple
 
