@@ -23,6 +23,9 @@ Walls = tuple[Floats, Ints, Flags, Floats, Ints, Ints]
 """walls (M, 4) ax, ay, ex, ey from a to a + e; their entities (M,); whether they are sheets without
 an inside (M,); frame, start, items."""
 
+WALLS_MOVED = -2
+"""What `place_bodies` returns where a wall is not where it was."""
+
 HOLLOW = 2
 """In place of convex (1) or not (0): a shape without an inside, which is seen from within too."""
 
@@ -40,6 +43,8 @@ def place_bodies(
     items: Ints,
     cells: Ints,
     frame: Floats,
+    standing: Ints,
+    known: Floats,
 ) -> int:
     """Move every shape to its entity's pose and sort the shapes into a grid.
 
@@ -52,10 +57,16 @@ def place_bodies(
             entity's frame and (written) in the world's.
         vertices_local, vertices: (V, 2) likewise.
         start, items, cells, frame: the grid, written; `cells` (S,) is scratch.
+        standing, known: (w,) entities of the walls, and (w, 3) the poses that they should have.
 
     Returns:
-        -1, or the first entity whose pose is not finite: then nothing else is valid.
+        -1; WALLS_MOVED, if a wall has another pose than is known; or the first entity whose pose
+        is not finite. In either case nothing else is valid.
     """
+    for k in range(standing.shape[0]):
+        for axis in range(3):
+            if poses[standing[k], axis] != known[k, axis]:
+                return WALLS_MOVED
     count = 0
     mean = 0.0
     low_x = low_y = math.inf

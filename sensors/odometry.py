@@ -80,6 +80,8 @@ class Odometry:
         self._gps[robot] = gps
         drawn = [
             width * (float(stream_key(self.seed, name, "bias", axis)) / 2.0**64 - 0.5)
+            if width
+            else 0.0
             for axis, width in enumerate(bias)
         ]
         self._errors[robot] = slip, turn, *drawn
@@ -153,9 +155,10 @@ class Odometry:
 
 def _seen_from(frame: Floats, pose: Floats) -> tuple[float, float, float]:
     """A pose in the frame at another one."""
-    dx, dy = (pose - frame)[:2].tolist()
-    cos, sin = math.cos(frame[2]), math.sin(frame[2])
-    return cos * dx + sin * dy, cos * dy - sin * dx, _wrap(float(pose[2] - frame[2]))
+    (x, y, yaw), (fx, fy, turn) = pose.tolist(), frame.tolist()
+    dx, dy = x - fx, y - fy
+    cos, sin = math.cos(turn), math.sin(turn)
+    return cos * dx + sin * dy, cos * dy - sin * dx, _wrap(yaw - turn)
 
 
 @compiled

@@ -12,7 +12,6 @@ edge of it on which a sensor stands is not seen.
 """
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -34,11 +33,9 @@ from sensors.picture import (
     rough_bearing,
     stands_on,
 )
-from sensors.readings import Fan
 from sensors.scene import Scene
 from sensors.sight import Seen
 from sensors.solids import stands_within
-from sensors.view import View
 
 
 @compiled
@@ -316,21 +313,6 @@ def fans_of(fov: float, samples: tuple[int, ...]) -> tuple[Floats, Ints, Floats]
     bearings = np.concatenate([bearings_of(fov, count) for count in samples])
     fan = np.ascontiguousarray(np.stack([np.cos(bearings), np.sin(bearings)]))
     return fan, *parts_of(fov, samples)
-
-
-def cast_for(view: View, fans: Sequence[Fan]) -> None:
-    """Cast fans of one field of view and reach from the sensors of a view, together."""
-    fov = fans[0].fov
-    cast_fans(
-        view.seen,
-        view.origins,
-        view.entities,
-        view.rows,
-        *fans_of(fov, tuple([fan.ranges.shape[1] for fan in fans])),
-        fov,
-        fans[0].max_range,
-        tuple([(fan.ranges, fan.hits) for fan in fans]),
-    )
 
 
 def bearings_of(fov: float, samples: int) -> Floats:

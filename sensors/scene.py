@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sensors.eyes import EVERY_EYE
-from sensors.grid import HOLLOW, Flags, Floats, Ints
+from sensors.grid import HOLLOW, WALLS_MOVED, Flags, Floats, Ints
 from sensors.outlines import Outline, outline_of, polygon_of
 from sensors.sight import Outlines, Seen, Sight, Standing, stand
 
@@ -56,6 +56,8 @@ class Scene:
         self._polygons: dict[bytes, Outline] = {}  # a crowd is made of few different ones
         self._walls: list[tuple[int, Floats]] = []
         self._solids: list[tuple[int, Floats, bool]] = []
+        self.version = 0
+        """Another number whenever the arrays of `seen` may be others than before."""
         self._stale = True
         self._walls_stale = True
         self._wall_entities = np.zeros(0, np.int64)
@@ -129,6 +131,8 @@ class Scene:
         self._choosy = self._choosy or seen_by != EVERY_EYE
         self._sights.clear()
         self._found.clear()
+        self._stale = True
+        self.version += 1
         return entity
 
     def add_polygon(self, entity: int, vertices: npt.ArrayLike) -> None:
@@ -224,8 +228,8 @@ class Scene:
         key = seen.tobytes()
         if key not in self._sights:
             sight = self._sights[key] = Sight(self._outlines, seen)
-            sight.sort_walls(self._standing, self.hidden)
-            sight.place(self._poses, self.hidden)
+            sight.sort(self._standing, self.poses, self.hidden)
+            sight.place()
         return self._sights[key]
 
     def refresh(self) -> None:
@@ -234,21 +238,25 @@ class Scene:
         Raises:
             ValueError: a pose is not finite.
         """
-        changed = self._stale
-        if changed:
+        if self._stale or self._walls_stale:
+            self._sort()
+        lost = self._whole.place()
+        if lost == WALLS_MOVED:
+            self._sort()
+            lost = self._whole.place()
+        if lost >= 0:
+            raise ValueError(f"the pose of entity {lost} is not finite: {self._poses[lost]}")
+        for sight in self._sights.values():
+            sight.place()
+
+    def _sort(self) -> None:
+        """After a change, or where a wall has moved: sort all anew that is seen."""
+        if self._stale:
             self._allocate()
-        walls = self._wall_entities
-        if self._walls_stale or (
-            walls.size and not np.array_equal(self._poses[walls], self._wall_poses)
-        ):
-            self._place_walls()
-            changed = True
+        self._place_walls()
+        self.version += 1
         for sight in (self._whole, *self._sights.values()):
-            if changed:
-                sight.sort_walls(self._standing, self.hidden)
-            lost = sight.place(self._poses, self.hidden)
-            if lost >= 0:
-                raise ValueError(f"the pose of entity {lost} is not finite: {self._poses[lost]}")
+            sight.sort(self._standing, self.poses, self.hidden)
 
     def world_edges(self) -> tuple[Floats, Ints]:
         """All visible straight edges as of the last refresh: (m, 4) x1, y1, x2, y2, entity (m,)."""
@@ -297,5 +305,6 @@ class Scene:
         self._wall_poses = self._poses[self._wall_entities].copy()
         if not np.isfinite(self._wall_poses).all():
             raise ValueError("the pose of a wall is not finite")
-        self._standing = stand(self._walls, self._solids, self._poses, self._hidden, self._hollow)
+        placed = stand(self._walls, self._solids, self._poses, self._hidden, self._hollow)
+        self._standing = Standing(*placed, self._wall_entities, self._wall_poses)
         self._walls_stale = False

@@ -8,7 +8,7 @@ same whatever it does not see.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,13 +33,16 @@ class Standing(NamedTuple):
     """All walls of a scene, in the world.
 
     segments (M, 4) ax, ay, ex, ey from a to a + e, their entities, and whether they are sheets
-    without an inside; pieces of (entity, corners (k, 2), hollow).
+    without an inside; pieces of (entity, corners (k, 2), hollow). And the entities (w,) of all of
+    these, with the poses (w, 3) for which all of it is true.
     """
 
     segments: Floats
     owners: Ints
     sheets: Flags
     pieces: list[tuple[int, Floats, bool]]
+    entities: Ints
+    poses: Floats
 
 
 def stand(
@@ -48,7 +51,7 @@ def stand(
     poses: Floats,
     hidden: Flags,
     hollow: Flags,
-) -> Standing:
+) -> tuple[Floats, Ints, Flags, list[tuple[int, Floats, bool]]]:
     """Walls and what lies within them where their entities are; `hidden` ones are left out.
 
     walls: entities with segments (m, 4) in their frames; solids: entities with corners (k, 2) and
@@ -68,7 +71,7 @@ def stand(
         for entity, vertices, outside in solids
         if not hidden[entity]
     ]
-    return Standing(np.concatenate(placed), whose, hollow[whose], pieces)
+    return np.concatenate(placed), whose, hollow[whose], pieces
 
 
 def _placed(pose: Floats, points: Floats) -> Floats:
@@ -96,11 +99,21 @@ class Sight:
             np.zeros(count, np.int64),
         )
         self.arrays: Seen
+        self._given: tuple[Any, ...] = ()  # what the kernel of `place` is given each time
 
-    def sort_walls(self, standing: Standing, hidden: Flags) -> None:
-        """Take over the walls that are seen."""
-        unseen = self._unseen(hidden)
-        segments, owners, sheets, pieces = standing
+    def sort(self, standing: Standing, poses: Floats, hidden: Flags) -> None:
+        """Take over the walls that are seen, and the arrays (E, 3), (E,) that `place` goes by.
+
+        To be called whenever any of these has changed, but for the content of `poses`.
+        """
+        unseen = hidden if self._seen is None else hidden | ~self._seen
+        outlines = self._outlines
+        bounds, shapes, vertices, frame, start, items = self.bodies
+        self._given = (
+            poses, unseen, shapes, outlines.bounds_local, outlines.vertices_local, bounds,
+            vertices, start, items, self._cells, frame, standing.entities, standing.poses,
+        )  # fmt: skip
+        segments, owners, sheets, pieces = standing[:4]
         if unseen.any():
             shown = ~unseen[owners]
             segments, owners, sheets = segments[shown], owners[shown], sheets[shown]
@@ -118,23 +131,6 @@ class Sight:
         )
         self.arrays = (self.bodies, walls, solids)
 
-    def place(self, poses: Floats, hidden: Flags) -> int:
-        """Bring the bodies to their entities' poses; -1, or an entity whose pose is not finite."""
-        bounds, shapes, vertices, frame, start, items = self.bodies
-        return place_bodies(
-            poses,
-            self._unseen(hidden),
-            shapes,
-            self._outlines.bounds_local,
-            self._outlines.vertices_local,
-            bounds,
-            vertices,
-            start,
-            items,
-            self._cells,
-            frame,
-        )
-
-    def _unseen(self, hidden: Flags) -> Flags:
-        """(E,) what is left out."""
-        return hidden if self._seen is None else hidden | ~self._seen
+    def place(self) -> int:
+        """Bring the bodies to their entities' poses; as `grid.place_bodies` tells it."""
+        return place_bodies(*self._given)

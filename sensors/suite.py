@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Container, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
-from functools import cache
+from dataclasses import dataclass
 from typing import Protocol
 from weakref import WeakSet
 
 import numpy as np
 
-from sensors.eyes import EYE_OF_KIND
-from sensors.grid import Flags, Floats, Ints
-from sensors.noise import Keys, stream_key
-from sensors.rays import cast_for
-from sensors.readings import Fan, Readings
-from sensors.registry import SensorType, type_of
+from sensors.grid import Flags
+from sensors.group import Group
+from sensors.noise import stream_key
+from sensors.readings import Readings
+from sensors.registry import type_of
 from sensors.scene import Scene
 from sensors.settings import SensorSettings
-from sensors.view import Contacts, View, mount_sensors
+from sensors.together import Together
+from sensors.view import Contacts, Touching
+
+__all__ = ["Group", "Reading", "Suite"]
 
 Wanted = Flags | Callable[[], Flags]
 
@@ -30,43 +29,6 @@ class Kept(Protocol):
 
     def keep(self) -> None:
         """Copy what is still to be shown."""
-
-
-@dataclass
-class Group:
-    """The sensors of equal settings: one row of each array per sensor."""
-
-    type: SensorType
-    settings: SensorSettings
-    readings: Readings
-    """The batch: written in place by `Suite.sense`, row by row as below."""
-    robots: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """(n,) robot indices."""
-    slots: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """(n,) the sensors' numbers among all: the order of the flags in `wanted`."""
-    entities: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """(n,) the robots' entities."""
-    keys: Keys = field(default_factory=lambda: np.zeros(0, np.uint64))
-    """(n,) the keys of the sensors' streams of noise."""
-    origins: Floats = field(default_factory=lambda: np.zeros((0, 3)))
-    """(n, 3) where each sensor was and looked when it last sensed."""
-    times: Floats = field(default_factory=lambda: np.zeros(0))
-    """(n,) the simulated time of each row's reading; -1 before the first."""
-    rows: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """(m,) the rows that the last `sense` computed."""
-    everybody: Ints = field(default_factory=lambda: np.zeros(0, np.int64), repr=False)
-    fan: Fan | None = field(default=None, repr=False)
-    """The rays that are cast for the batch before it senses."""
-
-    @property
-    def eye(self) -> int:
-        """The kind of sensor by which things may be seen or not, of `eyes.EYES`."""
-        return EYE_OF_KIND[self.type.kind]
-
-    @property
-    def kind(self) -> str:
-        """The kind of the readings: a key of `readings.KINDS`."""
-        return self.readings.kind
 
 
 @dataclass(frozen=True)
@@ -91,8 +53,8 @@ class Suite:
         self.seed = seed
         self.groups: list[Group] = []
         """The batches, in the order in which their settings first came."""
-        self.contacts = Contacts.none()
-        """Where robots touch something: to be set before each `sense`, for the bumpers."""
+        self.contacts: Touching = Contacts.none()
+        """Where robots touch something, for the bumpers, or a function that tells it when asked."""
         self.first_slot: list[int] = []
         """(robots,) the slot of each robot's first sensor."""
         self.slots = 0
@@ -101,7 +63,9 @@ class Suite:
         self._casts: list[tuple[Group, ...]] = []  # whose fans are cast together
         self._places: list[tuple[Group, int]] = []  # per slot: its group, its row
         self._told: bytes | None = None  # which sensors were wanted last
-        self._together: list[tuple[Group, ...]] = []  # groups whose wanted rows are sensed together
+        self._alike: list[tuple[Group, ...]] = []  # those of them of which the same rows are wanted
+        self._plan: list[Together] = []  # what is done in a tick
+        self._version = -1  # of the scene for which that was made
         self._new: dict[int, list[tuple[int, int, int, np.uint64]]] = {}  # by id(group)
         self.given: WeakSet[Kept] = WeakSet()
         """Who looks at the readings as they are, and keeps them before they are written anew."""
@@ -146,59 +110,33 @@ class Suite:
         if told != self._told:
             self._choose(flags)
             self._told = told
-        for groups in self._together:
-            if len(groups) > 1 and not self._see_the_same(groups):
-                for group in groups:
-                    self._sense((group,), tick, time)
-            else:
-                self._sense(groups, tick, time)
+        if self._version != self.scene.version:
+            self._make_plan()
+        for together in self._plan:
+            together.sense(tick, time, self.contacts)
 
     def _choose(self, flags: Flags | None) -> None:
         """Find each group's wanted rows; the array stays the same one until others are wanted."""
-        self._together = []
+        self._alike = []
         for groups in self._casts:
             for group in groups:
                 group.rows = (
                     group.everybody if flags is None else np.flatnonzero(flags[group.slots])
                 )
             alike = flags is None or all(np.array_equal(g.rows, groups[0].rows) for g in groups)
-            self._together += [groups] if alike else [(group,) for group in groups]
+            self._alike += [groups] if alike else [(group,) for group in groups]
+        self._version = -1
 
-    def _see_the_same(self, groups: tuple[Group, ...]) -> bool:
-        """Whether there is nothing that some of these see and others do not."""
-        first, *rest = [self.scene.seen(group.eye, group.settings.z) for group in groups]
-        return all(seen is first for seen in rest)
-
-    def _sense(self, groups: tuple[Group, ...], tick: int, time: float) -> None:
-        """Sense with the same rows of groups that are cast together."""
-        rows = groups[0].rows
-        if rows.size == 0:
-            return
-        views = []
-        for group in groups:
-            mount_sensors(
-                self.scene.poses, group.entities, rows, group.settings.mount, group.origins
-            )
-            views.append(
-                View(
-                    self.scene,
-                    rows,
-                    group.robots,
-                    group.entities,
-                    group.origins,
-                    group.keys,
-                    tick,
-                    time,
-                    self.contacts,
-                    group.eye,
-                    group.settings.z,
-                )
-            )
-            if rows is group.everybody:
-                group.times[:] = time
-            else:
-                group.times[rows] = time
-        sense_rows(groups, views)
+    def _make_plan(self) -> None:
+        """Gather what is done in a tick, until other sensors are wanted or the scene is changed."""
+        self._plan = []
+        for groups in self._alike:
+            first, *rest = [self.scene.seen(group.eye, group.settings.z) for group in groups]
+            alike = all(seen is first for seen in rest)  # nothing is seen by some of them only
+            for together in [groups] if alike else [(group,) for group in groups]:
+                if together[0].rows.size:
+                    self._plan.append(Together(self.scene, together))
+        self._version = self.scene.version
 
     def slots_of(self, types: Container[str] | None) -> list[int]:
         """The slots of all sensors of some types, None: of all; of those that are new as well."""
@@ -247,47 +185,3 @@ class Suite:
                 key = group.settings.mount, fov, far, group.robots.tobytes()
             shared.setdefault(key, []).append(group)
         self._casts = [tuple(groups) for groups in shared.values()]
-
-
-ENOUGH_FOR_THREADS = 256
-"""Sensors of one group from which on it pays to share them out to threads."""
-
-
-@cache
-def threads() -> tuple[int, ThreadPoolExecutor | None]:
-    """How many cores this process may use, and threads for all of them but one."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return (cores, ThreadPoolExecutor(cores - 1)) if cores and cores > 1 else (1, None)
-
-
-def sense_rows(groups: Sequence[Group], views: Sequence[View]) -> None:
-    """Sense with the wanted sensors of groups that are cast together; many of them on all cores.
-
-    Every sensor writes its own row and reads nobody else's, so the result does not depend on
-    how they are shared out.
-    """
-    cores, pool = threads()
-    rows = views[0].rows
-    if (
-        pool is None
-        or len(rows) < ENOUGH_FOR_THREADS
-        or not all(group.type.threads for group in groups)
-    ):
-        _sense_part(groups, views)
-        return
-    first, *rest = np.array_split(rows, cores)
-    others = [
-        pool.submit(_sense_part, groups, [replace(view, rows=part) for view in views])
-        for part in rest
-    ]
-    _sense_part(groups, [replace(view, rows=first) for view in views])
-    for other in others:
-        other.result()
-
-
-def _sense_part(groups: Sequence[Group], views: Sequence[View]) -> None:
-    fans = [group.fan for group in groups if group.fan is not None]
-    if fans:
-        cast_for(views[0], fans)
-    for group, view in zip(groups, views, strict=True):
-        group.type.sense(group.settings, view, group.readings)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +31,10 @@ class Contacts:
         return cls(np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
+Touching = Contacts | Callable[[], Contacts]
+"""Where robots touch something, or a function that finds it when it is asked for."""
+
+
 @dataclass
 class View:
     """One batch of equal sensors, at one tick.
@@ -53,12 +58,17 @@ class View:
     tick: int
     time: float
     """Simulated seconds."""
-    contacts: Contacts
     eye: int = 0
     """The kind of sensor, of `sensors.eyes.EYES`: some things are not seen by all kinds; 0: one
     that sees everything."""
     z: float | None = None
     """How high the sensors sit, in metres; None: they see things of all heights."""
+    touching: Touching = field(default_factory=Contacts.none)
+
+    @property
+    def contacts(self) -> Contacts:
+        """Where robots touch something."""
+        return self.touching() if callable(self.touching) else self.touching
 
     @property
     def seen(self) -> Seen:
@@ -72,15 +82,22 @@ def mount_sensors(
     entities: Ints,
     rows: Ints,
     mount: tuple[float, float, float],
-    origins: Floats,
+    marks: tuple[tuple[Floats, Floats], ...],
+    time: float,
 ) -> None:
-    """Write into `origins` (n, 3) where sensors mounted on `entities` (n,) are, in the world."""
+    """Write where sensors are that are mounted on `entities` (n,), and when they sense.
+
+    marks: per group of sensors their origins (n, 3) in the world and their times (n,), written.
+    """
     for j in rows:
         heading = poses[entities[j], 2]
         cos, sin = np.cos(heading), np.sin(heading)
-        origins[j, 0] = poses[entities[j], 0] + cos * mount[0] - sin * mount[1]
-        origins[j, 1] = poses[entities[j], 1] + sin * mount[0] + cos * mount[1]
-        origins[j, 2] = heading + mount[2]
+        x = poses[entities[j], 0] + cos * mount[0] - sin * mount[1]
+        y = poses[entities[j], 1] + sin * mount[0] + cos * mount[1]
+        for group in range(len(marks)):
+            origins, times = marks[group]
+            origins[j, 0], origins[j, 1], origins[j, 2] = x, y, heading + mount[2]
+            times[j] = time
 
 
 @compiled

@@ -23,6 +23,7 @@ from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
 from sim.devices.things import named_things
+from sim.ending import Ending
 from sim.entry import Entry
 from sim.fleet.clocks import Clocks
 from sim.fleet.crew import Crew, Patience
@@ -44,8 +45,6 @@ AT_REST = 1e-3
 """m/s and rad/s below which a robot whose controller has finished becomes a standing body."""
 LONGEST_NAP = 0.1
 """Wall-clock seconds after which a run that is held to the clock looks whether the pace is new."""
-ROUNDING = 1e-9
-"""s by which sums of intervals in doubles may be off."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +82,7 @@ class Engine:
     while_waiting: Callable[[Engine], None] | None = None
     controllers: Controllers = True
     ticks: int = 0
-    interrupted: bool = False
     began: float = 0.0
-    enough: bool = False  # told from outside that the run has come to its end
     ended: Outcome | None = None  # how the run has ended, once it has
     settling: set[int] = field(default_factory=set)
     touched: list[Touch] = field(default_factory=list)  # what somebody did by hand
@@ -143,6 +140,17 @@ class Engine:
             self.functions,
         )
         self.doors = Doors(self.loaded.layout, world.models, self.interval)
+        self.ending = Ending(
+            self.loaded,
+            self.settings.duration,
+            self.interval,
+            self.robots,
+            self.drivers,
+            self.crew,
+            self.fleet,
+            self.doors,
+            self.scenery.stage,
+        )
         self.digest = Digest()
         self.realtime = self.settings.realtime  # who watches may change it meanwhile
         self.pace = Pace(self.factor)
@@ -191,12 +199,25 @@ class Engine:
     def advance(self) -> bool:
         """One tick, after the wait for all controllers; False, without it, if the run is over."""
         self.ended = self.outcome()
-        if self.ended is None:
+        if self.ended is None and not self.alone:
             self.crew.wait()
             self.ended = self.outcome()
         if self.ended is not None:
             return False
         self.tick()
+        if self.functions.robots:
+            self.call_functions()
+        return True
+
+    @property
+    def alone(self) -> bool:
+        """Whether nobody could be heard or waited for: no process, no client, no open port."""
+        return (
+            not self.server.selector.get_map() and self.while_waiting is None and self.crew.ready()
+        )
+
+    def call_functions(self) -> None:
+        """Call the controllers that are functions; raises FunctionError for the first that does."""
         try:
             done = self.functions.call(self.ticks, self.time)
         except FunctionError as error:
@@ -204,7 +225,6 @@ class Engine:
             raise
         for index in done:
             self.drivers.end(self.robots[index].driver, "finished", 0, None)
-        return True
 
     def enter_first(self) -> None:
         """The robots that are there from the start enter; all perceive for the first time."""
@@ -228,16 +248,19 @@ class Engine:
     def tick(self) -> None:
         """One interval of simulated time, after the wait."""
         self.carry_out()
-        self.settle()
-        self.reset()
+        if self.settling:
+            self.settle()
+        if self.context.resets:
+            self.reset()
         ways = self.scenery.stage.tick(self.spraying.carriers())
         self.ticks += 1
-        self.context.time = self.time
+        self.context.time = time = self.time
         self.spraying.mark(ways)
-        self.open_doors()
-        self.sensing.sense(self.ticks, self.time)
-        self.switchboard.stamp(self.time)
-        for connection, error in self.switchboard.publish(self.time):
+        if self.doors.doors:
+            self.open_doors()
+        self.sensing.sense(self.ticks, time)
+        self.switchboard.stamp(time)
+        for connection, error in self.switchboard.publish(time):
             self.router.expel(connection, error)
         self.server.flush()
         self.crew.next_round()
@@ -272,9 +295,7 @@ class Engine:
                 self.settling.discard(robot)
 
     def reset(self) -> None:
-        """Put all robots back where they entered, if a client with full access asked for it."""
-        if not self.context.resets:
-            return
+        """Put all robots back where they entered: a client with full access has asked for it."""
         self.context.resets = 0
         starts = {robot.index: robot.record.start for robot in self.robots}
         staying = self.put(starts)
@@ -337,35 +358,7 @@ class Engine:
 
     def outcome(self) -> Outcome | None:
         """How the run has ended, None while it goes on."""
-        if self.interrupted or self.crew.interrupted:
-            return "interrupted"
-        if self.drivers.failed:
-            return "controller_failed"
-        if self.enough:
-            return "completed"
-        over = self.time + self.interval > self.settings.duration + ROUNDING
-        waits_for_time = self.waits_for_time
-        entered = self.fleet.lost or self.doors_done()  # nobody else can be started, or has to be
-        done = not waits_for_time and not self.drivers.running and entered
-        if not over and not done:
-            return None
-        states = {robot.record.state for robot in self.robots}
-        if states & {"failed", "hung", "lost"}:
-            return "controller_failed"
-        return "completed" if done or waits_for_time else "time_limit"
-
-    @property
-    def waits_for_time(self) -> bool:
-        """Whether the run is complete when its duration is: told so, or nobody else can end it."""
-        if self.loaded.world.until == "duration":
-            return True
-        nobody = all(robot.driver.kind == "none" for robot in self.robots)
-        return nobody and not any(door.controller for door in self.loaded.layout.doors)
-
-    def doors_done(self) -> bool:
-        """Whether every door's cell holds a robot whose controller has finished."""
-        ended = [robot.index for robot in self.robots if robot.driver.kind != "none"]
-        return self.doors.filled(self.scenery.stage, ended)
+        return self.ending.outcome(self.time)
 
     def result(self, outcome: Outcome, wall_time: float) -> Result:
         """The run in numbers."""

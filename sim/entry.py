@@ -96,6 +96,8 @@ class Entry:
     def serve(self, robot: Robot, first: int, controller: str | None) -> None:
         """Open a robot's port, if it is to have one, and start its controller."""
         number = self.ports.serve(robot, first)
+        if number is not None or robot.driver.launched:
+            self.switchboard.reach(robot.port, self.ports.shared)
         if robot.driver.launched:
             assert controller is not None
             self.launch(robot, controller, number, first)

@@ -16,6 +16,9 @@ Outcome = Literal["completed", "time_limit", "controller_failed", "interrupted"]
 ControllerState = Literal["running", "finished", "failed", "hung", "lost", "none"]
 
 
+DOUBLE = np.dtype("<f8")
+
+
 class Digest:
     """SHA-256 over, per tick and in robot order, x, y and yaw as little-endian doubles."""
 
@@ -24,7 +27,7 @@ class Digest:
 
     def add(self, poses: NDArray[np.float64]) -> None:
         """Take one tick's poses, shape (robots, 3): metres and radians."""
-        self.hash.update(np.ascontiguousarray(poses, dtype="<f8").tobytes())
+        self.hash.update(np.ascontiguousarray(poses, DOUBLE).data)
 
     def text(self) -> str:
         return "sha256:" + self.hash.hexdigest()

@@ -29,6 +29,7 @@ class Scenery:
         self.surroundings = Surroundings(layout, seed)
         self.scene, self.suite = self.surroundings.scene, self.surroundings.suite
         self.odometry = Odometry(seed)
+        self.suite.contacts = lambda: Contacts(*self.stage.stretches)
         self.floor = FloorPaint(layout, world.floor.resolution)
         self.start_poses: Floats = loaded.place(seed)
 
@@ -52,9 +53,8 @@ class Scenery:
         return robot, entity
 
     def refresh(self) -> None:
-        """Bring what can be seen and felt up to date with the bodies."""
+        """Bring what can be seen up to date with the bodies."""
         self.surroundings.refresh(self.stage.poses, self.stage.movable_poses)
-        self.suite.contacts = Contacts(*self.stage.stretches)
 
     def put(self, poses: Mapping[int, tuple[float, float, float]]) -> list[int]:
         """Put robots at poses in the world by hand, all at once: no wheel turns.

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sim.robot import MountedSprayer, Robot
 from sim.stage.floor import FloorPaint
+from sim.stage.stage import NOBODY
 
 MOST_PER_ROBOT = 1 << 16
 """More than Player's indices of one interface."""
@@ -28,6 +29,8 @@ class Spraying:
 
     def carriers(self) -> NDArray[np.int64]:
         """(k,) The robots whose sprayers are on in the coming tick, one per sprayer."""
+        if not self.painters:
+            return NOBODY
         self.on = [
             (robot, number, sprayer)
             for robot in self.painters

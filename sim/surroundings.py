@@ -33,7 +33,7 @@ class Surroundings:
         self.suite = Suite(self.scene, seed)
         self.count = 0
         """Robots that have entered."""
-        self._entities: NDArray[np.int64] = np.zeros(8, np.int64)  # with room for more robots
+        self._faces: dict[int, tuple[Any, list[Any]]] = {}  # by id of the body, which it holds
         self._add_walls(layout)
         self.movables = np.array(
             [
@@ -44,15 +44,13 @@ class Surroundings:
         )
         for landmark in layout.landmarks:
             self._add_body(landmark.body, landmark.body.fiducial, landmark.pose)
+        self._first = len(self.scene)  # robots' entities come one after the other
 
     def add_robot(self, name: str, model: Model, pose: Any) -> int:
         """A robot enters: what others see of it, and its sensors. Its entity in the scene."""
         body = model.body
         color = random_color(self.suite.seed, name) if body.color == RANDOM else body.color
         entity = self._add_body(body, model.fiducial or 0, pose, color)
-        if self.count == len(self._entities):
-            self._entities = np.concatenate([self._entities, np.zeros_like(self._entities)])
-        self._entities[self.count] = entity
         self.count += 1
         self.suite.add_robot(entity, name, model.sensors)
         return entity
@@ -60,7 +58,7 @@ class Surroundings:
     @property
     def entities(self) -> NDArray[np.int64]:
         """(n,) the entity in the scene of each robot."""
-        return self._entities[: self.count]
+        return np.arange(self._first, self._first + self.count)
 
     def sensors_of(self, robot: int) -> int:
         """How many sensors a robot has."""
@@ -69,8 +67,7 @@ class Surroundings:
 
     def refresh(self, poses: Floats, movable_poses: Floats) -> None:
         """What can be seen is where it is now: poses of robots (n, 3) and of movables (m, 3)."""
-        if self.count:
-            self.scene.move(self.entities, poses)
+        self.scene.poses[self._first : self._first + self.count] = poses
         if len(self.movables):
             self.scene.move(self.movables, movable_poses)
         self.scene.refresh()
@@ -112,7 +109,10 @@ class Surroundings:
             seen_by=eyes(body.seen_by),
             bottom=body.z,
         )
-        for vertices, circle in faces(body):
+        known = self._faces.get(id(body))
+        if known is None:
+            known = self._faces[id(body)] = body, list(faces(body))
+        for vertices, circle in known[1]:
             if circle is not None:
                 self.scene.add_circle(entity, circle[2], circle[:2])
             else:

@@ -54,7 +54,7 @@ class Hooks:
                     result,
                 ) from error
             if name == "until" and found:
-                engine.enough = True
+                engine.ending.enough = True
 
     def finish(self, result: Result) -> None:
         """Put the trajectories into the result; robots that came later have NaN before."""

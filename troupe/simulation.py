@@ -18,7 +18,7 @@ import contextlib
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -33,21 +33,21 @@ from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
 from sim.rehearsal import is_served, rehearse
+from troupe.driving import Driving, Robots
+from troupe.given import checked_controllers, checked_seed
+from troupe.opened import Kept, both, ended, nothing
 from troupe.readings import Place, Readings, find_sensor, readings_of
-from troupe.running import check_log, log_of, open_log_of
+from troupe.running import check_log
 from troupe.setting import as_text
-from troupe.usage import UsageError
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
-    from sim.log.recorder import Recorder
     from sim.result import ControllerState, Outcome, Result
     from sim.video.snapshot import Snapshot
     from troupe.live.window import Window
 
 Floats = NDArray[np.float64]
-Robots = int | str | Iterable[int | str] | None
 
 
 class RunError(RuntimeError):
@@ -149,6 +149,7 @@ class Simulation:
         made._loaded, made._settings, made._engine = engine.loaded, engine.settings, engine
         made._controllers, made._say = engine.controllers, engine.say
         made._sensors, made._wall_time = Sensors(), None
+        made._driving = Driving(engine)
         made._end = weakref.finalize(made, nothing, engine, None)
         made._own = False
         made._lock, made._window = contextlib.nullcontext(), None
@@ -173,6 +174,7 @@ class Simulation:
         self._recorder = recorder
         if recorder is not None:
             self._engine.sensing.logged = recorder.sensed.wanted
+        self._driving = Driving(self._engine)
         self._end = weakref.finalize(self, ended, self._engine, recorder)
         self._sensors = Sensors()
         self._wall_time: float | None = None
@@ -245,22 +247,23 @@ class Simulation:
             raise ValueError(f"step(n): n must be at least 1 (given: {n})")
         if not self._end.alive:
             raise RuntimeError("this simulation has been closed; reset() starts it anew")
-        if self._engine.crew.interrupted:
+        engine = self._engine
+        if engine.crew.interrupted:
             return  # `stop` may come at any moment
         if self.over:
             raise RuntimeError(
                 f"the run is over at {self.time:g} s ({self.outcome}); reset() starts it anew"
             )
         for _ in range(n):
-            self._engine.keep_pace()
+            engine.keep_pace()
             try:
                 with self._lock:
-                    if not self._engine.advance():
+                    if not engine.advance():
                         return
                     if self._recorder is not None:
-                        self._recorder.each_tick(self._engine)
+                        self._recorder.each_tick(engine)
                     if self._window is not None:
-                        self._window.each_tick(self._engine)
+                        self._window.each_tick(engine)
             except FunctionError as error:
                 self.close()
                 raise RunError(str(error), self.result()) from error.__cause__
@@ -395,21 +398,7 @@ class Simulation:
 
         Raises ValueError for a robot that is not there.
         """
-        names = self.names
-        if robots is None:
-            return np.arange(len(names))
-        known = self._engine.context.by_name
-        found = []
-        for robot in np.atleast_1d(np.asarray(robots, dtype=object)).reshape(-1).tolist():
-            if isinstance(robot, str):
-                if robot not in known:
-                    raise ValueError(f"there is no robot {robot!r}; there are {listed(names)}")
-                found.append(known[robot].index)
-            elif isinstance(robot, int) and 0 <= robot < len(names):
-                found.append(robot)
-            else:
-                raise ValueError(f"there is no robot {robot!r}: they are 0 to {len(names) - 1}")
-        return np.array(found, np.int64)
+        return self._driving.indices(robots)
 
     def command(
         self,
@@ -429,35 +418,8 @@ class Simulation:
         Raises ValueError for a robot that is not there or that a controller drives, for shapes
         that do not fit, and for what is no finite number.
         """
-        which = self.indices(robots)
-        self._refuse_driven(which, "command")
-        twists = np.empty((len(which), 3))
-        for column, (name, values) in enumerate(
-            (("forward", forward), ("side", side), ("turn", turn))
-        ):
-            given = np.asarray(values, np.float64)
-            if given.shape not in ((), (len(which),)):
-                raise ValueError(
-                    f"command: {name} has the shape {given.shape}; it must be a number, or one "
-                    f"for each of the {len(which)} robots"
-                )
-            twists[:, column] = given
-        if not np.isfinite(twists).all():
-            raise ValueError("command: velocities must be finite numbers")
         with self._lock:
-            self._engine.scenery.stage.command(which, twists)
-
-    def _refuse_driven(self, robots: NDArray[np.int64], what: str) -> None:
-        """A robot with a controller of its own obeys that one alone."""
-        for index in robots.tolist():
-            robot = self._engine.robots[index]
-            if robot.driver.kind != "none" and robot.driver.running:
-                raise ValueError(
-                    f"{what}: {robot.name} is driven by its controller; give controllers=False, or "
-                    "a mapping without it, to drive it from here"
-                )
-            if robot.model.drive is None:
-                raise ValueError(f"{what}: {robot.name} has no drive")
+            self._driving.command(robots, forward, side, turn)
 
     def set_pose(self, robot: int | str, pose: ArrayLike) -> None:
         """Put a robot, at rest, to a pose (x, y, yaw) in metres and radians, at once.
@@ -562,89 +524,3 @@ class Simulation:
         if wall_time is None:
             wall_time = perf_counter() - self._engine.began
         return self._engine.result(self.outcome or "interrupted", wall_time)
-
-
-@dataclass
-class Kept:
-    """The logs of a simulation: the first run's, then those of the runs after a reset."""
-
-    log: str | Path | None
-    sensors: Sequence[str] | None
-    settings: Sequence[str]
-    runs: int = 0
-
-    def open(
-        self, loaded: LoadedWorld, told: Settings, say: Callable[[str], None]
-    ) -> Recorder | None:
-        """The next one; None where none is wanted. Raises LogError."""
-        path, sensors = log_of(loaded, self.log, self.sensors)
-        self.runs += 1
-        if path is None:
-            return None
-        if self.runs > 1:
-            path = path.with_name(f"{path.stem}-{self.runs}{path.suffix}")
-        recorder = open_log_of(loaded, told, path, sensors, self.settings)
-        if recorder is not None:
-            recorder.complain = say
-        return recorder
-
-
-def ended(engine: Engine, recorder: Recorder | None) -> None:
-    """End a run's processes, and complete its log."""
-    try:
-        result = None
-        if recorder is not None:
-            outcome = engine.ended or engine.outcome() or "interrupted"
-            result = engine.result(outcome, perf_counter() - engine.began)
-        engine.crew.dismiss()
-    finally:
-        if recorder is not None:
-            recorder.finish(engine, result)
-
-
-def both(one: Callable[[str], None], other: Callable[[str], None]) -> Callable[[str], None]:
-    """Lines go to both."""
-
-    def say(line: str) -> None:
-        one(line)
-        other(line)
-
-    return say
-
-
-def nothing(engine: Engine, recorder: Recorder | None) -> None:
-    """The run goes on by itself, and so it ends."""
-
-
-def listed(names: list[str], most: int = 8) -> str:
-    """Names in a row for a message, cut off after `most`."""
-    shown = ", ".join(names[:most])
-    return f"{shown}, ... ({len(names)} in all)" if len(names) > most else shown or "none"
-
-
-def checked_seed(seed: int) -> int:
-    """A seed that can be; raises UsageError."""
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 1 << 63:
-        raise UsageError(f"seed: must be a whole number from 0 to {(1 << 63) - 1} (given: {seed})")
-    return int(seed)
-
-
-def checked_controllers(controllers: Controllers, loaded: LoadedWorld) -> Controllers:
-    """Controllers that the world's robots have; raises UsageError for others."""
-    if isinstance(controllers, bool):
-        return controllers
-    known = {robot.controller for robot in loaded.robots} | {
-        door.controller for door in loaded.layout.doors
-    }
-    for name, what in controllers.items():
-        if name not in known:
-            there = listed(sorted(one for one in known if one is not None))
-            raise UsageError(
-                f"controllers: no robot has the controller {name!r}; there are {there}"
-            )
-        if not callable(what) and not isinstance(what, bool):
-            raise UsageError(
-                f"controllers: {name!r} must be a function of a robot, or True for the world's own "
-                f"program (given: {what!r})"
-            )
-    return dict(controllers)

@@ -53,12 +53,13 @@ class GroupEncoder:
 
 
 class StateEncoder:
-    """The state messages of all robots, encoded together once per tick."""
+    """The state messages of all robots, encoded together when the first of a tick asks."""
 
     def __init__(self) -> None:
         self.rows = STATE.rows(0)
         self.size = self.rows.itemsize
-        self.data = b""
+        self.data: bytes | None = b""
+        self.told: tuple[NDArray[Any], ...] = ()
 
     def update(
         self,
@@ -67,15 +68,19 @@ class StateEncoder:
         stalls: NDArray[np.bool_],
     ) -> None:
         """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
-        if len(self.rows) != len(poses):
-            self.rows = STATE.rows(len(poses))
-        self.rows["pos"] = poses
-        self.rows["vel"] = velocities
-        self.rows["stall"] = stalls
-        self.data = self.rows.tobytes()
+        self.told = poses.copy(), velocities.copy(), stalls.copy()  # as they are now
+        self.data = None
 
     def payload(self, robot: int) -> bytes:
         """Robot's message."""
+        if self.data is None:
+            poses, velocities, stalls = self.told
+            if len(self.rows) != len(poses):
+                self.rows = STATE.rows(len(poses))
+            self.rows["pos"] = poses
+            self.rows["vel"] = velocities
+            self.rows["stall"] = stalls
+            self.data = self.rows.tobytes()
         return self.data[robot * self.size : (robot + 1) * self.size]
 
 

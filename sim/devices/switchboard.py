@@ -45,6 +45,7 @@ class Switchboard:
         self.say = say
         self.complained: dict[Connection, set[Robot]] = {}  # people have been told, of these robots
         self.ports: dict[Directory, Port] = {}
+        self.reached: dict[Port, None] = {}  # those that clients can come to
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
         self.changed = True  # what is wanted has changed since `wanted` was last read
@@ -63,8 +64,12 @@ class Switchboard:
 
     def stamp(self, time: float) -> None:
         """Replies carry this simulated time from now on."""
-        for port in self.ports.values():
+        for port in self.reached:
             port.directory.time = time
+
+    def reach(self, *ports: Port | None) -> None:
+        """Clients can come to these ports from now on."""
+        self.reached.update(dict.fromkeys(port for port in ports if port is not None))
 
     def subscribe(self, connection: Connection, addr: DeviceAddr) -> Device:
         """A connection gets a device's data from now on."""

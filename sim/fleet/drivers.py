@@ -38,11 +38,15 @@ class Drivers:
         self.fail_fast = fail_fast
         self.ends = 0  # how often a controller has ended
         self.failed = False  # and nobody is to be waited for any more
+        self._one_running: Driver | None = None  # one that had not ended when it was looked for
 
     @property
-    def running(self) -> list[Driver]:
-        """The controllers that have not ended."""
-        return [robot.driver for robot in self.robots if robot.driver.running]
+    def any_running(self) -> bool:
+        """Whether there is a controller that has not ended."""
+        if self._one_running is None or not self._one_running.running:
+            running = (robot.driver for robot in self.robots if robot.driver.running)
+            self._one_running = next(running, None)
+        return self._one_running is not None
 
     def enter(self, robot: Robot) -> None:
         """A robot has entered; its controller, if any, is waited for until its first request."""

@@ -56,23 +56,26 @@ class Form:
     """m, radius of the circle about the origin that holds the body."""
     girth: float
     """m, half of its width where it is narrowest."""
+    pieces: tuple[tuple[list[tuple[float, float]], tuple[float, float, float] | None], ...]
+    """The parts that it is made of: corners, or x, y and radius of a circle."""
 
 
 def form_of(schema: Any) -> Form:
     """The form of a body of the schema."""
     corners = np.zeros((0, 2)) if schema.shape == "circle" else outline(schema)
-    return Form(schema, moment_of(schema), corners, reach(schema), girth(schema))
+    parts = [([(x, y) for x, y in one.tolist()], circle) for one, circle in pieces(schema)]
+    return Form(schema, moment_of(schema), corners, reach(schema), girth(schema), tuple(parts))
 
 
 def shapes_of(body: pymunk.Body, form: Form) -> list[pymunk.Shape]:
     """The shapes of a body of a form, attached to a pymunk body at its origin."""
     found: list[pymunk.Shape] = []
-    for vertices, circle in pieces(form.schema):
+    for vertices, circle in form.pieces:
         shape: pymunk.Shape
         if circle is not None:
             shape = pymunk.Circle(body, circle[2], circle[:2])
         else:
-            shape = pymunk.Poly(body, [(x, y) for x, y in vertices.tolist()])
+            shape = pymunk.Poly(body, vertices)
         shape.friction = form.schema.friction
         shape.elasticity = 0.0
         found.append(shape)

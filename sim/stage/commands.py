@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from sim.stage.compiled import bare, compiled
 from sim.stage.records import CAR, HEADING, OMNIDIRECTIONAL, POSITION, STEERING, TWIST
 
+NO_ROBOT, NOT_FINITE = 1, 2
+"""What may be wrong with twists."""
+
 
 def _finite(what: str, *values: float) -> None:
     if not all(math.isfinite(value) for value in values):
@@ -26,20 +29,25 @@ def command_twists(
     """
     if len(twists) != len(robots):
         raise ValueError(f"{len(twists)} twists for {len(robots)} robots")
-    if len(robots) and not 0 <= robots.min() <= robots.max() < len(movers) - first:
+    wrong = _write_twists(movers, first, robots, twists)
+    if wrong == NO_ROBOT:
         raise IndexError(f"there are {len(movers) - first} robots, not all of {robots.tolist()}")
-    if not _write_twists(movers, first, robots, twists):
+    if wrong == NOT_FINITE:
         raise ValueError("a commanded velocity must be a finite number")
 
 
 @compiled
 def _write_twists(
     movers: Any, first: int, robots: NDArray[np.int64], twists: NDArray[np.float64]
-) -> bool:
-    """False, and nothing is written, if a twist is not finite."""
-    if not np.isfinite(twists).all():
-        return False
-    movers = bare(movers)
+) -> int:
+    """What is wrong, or 0: then, and only then, something is written."""
+    movers, count = bare(movers), movers.size - first
+    for k in range(robots.size):
+        if not 0 <= robots[k] < count:
+            return NO_ROBOT
+        for axis in range(3):
+            if not math.isfinite(twists[k, axis]):
+                return NOT_FINITE
     for k in range(robots.size):
         mover = movers[first + robots[k]]
         vx, vy, wz = twists[k, 0], twists[k, 1], twists[k, 2]
@@ -55,7 +63,7 @@ def _write_twists(
         mover.curvature = min(mover.max_curvature, max(-mover.max_curvature, bend))
         mover.vx, mover.vy = vx * scale, vy * scale
         mover.wz = min(mover.max_turn_rate, max(-mover.max_turn_rate, wz))
-    return True
+    return 0
 
 
 def command_steering(record: Any, speed: float, steering: float, wheelbase: float) -> None:

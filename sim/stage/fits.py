@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sim.stage.boxes import Boxes
 from sim.stage.geometry import (
     Floats,
     distance_to_edges,
@@ -40,7 +41,7 @@ class FreeSpace:
         self._outlines: list[Floats] = []
         self._margins: list[float] = []
         self._levels: list[int] = []
-        self._bounds = np.zeros((64, 4))
+        self._boxes = Boxes()
         for solid in layout.solids:
             self.occupy(solid.vertices, 0.0, solid.levels)
         for one in layout.movables if movable else ():
@@ -55,11 +56,7 @@ class FreeSpace:
         """
         if not levels:
             return
-        count = len(self._outlines)
-        if count == len(self._bounds):
-            self._bounds = np.concatenate([self._bounds, np.zeros_like(self._bounds)])
-        self._bounds[count, :2] = vertices.min(axis=0) - margin
-        self._bounds[count, 2:] = vertices.max(axis=0) + margin
+        self._boxes.add(vertices.min(axis=0) - margin, vertices.max(axis=0) + margin)
         self._outlines.append(vertices)
         self._margins.append(margin)
         self._levels.append(levels)
@@ -86,6 +83,7 @@ class FreeSpace:
         del self._outlines[mark:]
         del self._margins[mark:]
         del self._levels[mark:]
+        self._boxes.back_to(mark)
 
     def holds(self, points: Floats) -> bool:
         """Whether all points (n, 2) are where robots may be."""
@@ -148,11 +146,4 @@ class FreeSpace:
                 yield index
 
     def _near(self, low: Floats, high: Floats, levels: int) -> list[int]:
-        bounds = self._bounds[: len(self._outlines)]
-        near: NDArray[np.int64] = np.nonzero(
-            (bounds[:, 0] <= high[0])
-            & (bounds[:, 1] <= high[1])
-            & (bounds[:, 2] >= low[0])
-            & (bounds[:, 3] >= low[1])
-        )[0]
-        return [int(index) for index in near if self._levels[index] & levels]
+        return [index for index in self._boxes.near(low, high) if self._levels[index] & levels]

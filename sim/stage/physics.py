@@ -33,6 +33,7 @@ class Physics:
         self._led: set[int] = set()  # movers that follow their leaders
         self._shapes: dict[Any, int] = {}
         self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
+        self._records: dict[tuple[int, int], Any] = {}  # of movers at no place, by body and drive
         self._contacts = ContactTable()
         self.machine = np.zeros(PARTS, np.uintp)
         """The addresses of what a tick's steps work with: see `steps`."""
@@ -60,16 +61,19 @@ class Physics:
         self._drives.append(drive)
         self._joints.append(joints)
         self._leaders.append(None)
-        record = mover(
-            schema,
-            drive,
-            moment=form.moment,
-            reach=form.reach,
-            girth=form.girth,
-            shape=self._shape(form.corners),
-            levels=levels,
-            at=state_of(body),
-        )
+        usual = self._records.get((id(schema), id(drive)))
+        if usual is None:
+            usual = self._records[id(schema), id(drive)] = mover(
+                schema,
+                drive,
+                moment=form.moment,
+                reach=form.reach,
+                girth=form.girth,
+                shape=self._shape(form.corners),
+                levels=levels,
+            )
+        record = usual.copy()
+        record["body"] = state_of(body)
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
         return record

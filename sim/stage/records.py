@@ -92,20 +92,18 @@ def mover(
     girth: float,
     shape: int,
     levels: int,
-    at: int,
 ) -> Any:
     """A record for a body and a drive (or None) of the schema, at rest at no place yet.
 
     moment: moment of inertia in kg m2. reach: radius of the circle about its origin in metres.
     girth: half of its least width in metres. shape: the number of its outline. levels: the bits of
-    the heights at which it meets others. at: the address of its body's state.
+    the heights at which it meets others.
     """
     record = np.zeros(1, dtype=MOVER)[0]
     record["mass"], record["moment"] = body.mass, moment
     record["reach"], record["girth"] = reach, girth
     record["lever"] = 0.0 if body.shape == "circle" else reach
     record["shape"], record["levels"] = shape, levels
-    record["body"] = at
     record["motors"] = True
     record["axis_x"] = 1.0
     if drive is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -204,7 +205,7 @@ class Stage:
         record["wanted_x"], record["wanted_y"], record["wanted_turn"] = 0.0, 0.0, 0.0
 
     def _show(self, robot: int, pose: tuple[float, float, float]) -> None:
-        self._poses[robot] = pose[0], pose[1], float(wrapped(pose[2]))
+        self._poses[robot] = pose[0], pose[1], math.pi - (math.pi - pose[2]) % (2.0 * math.pi)
         self._velocities[robot] = 0.0
         self._changed = True
 

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from sensors import suite as module
+from sensors import together as module
 from sensors.registry import settings_for
 from sensors.scene import Scene
-from sensors.suite import ENOUGH_FOR_THREADS, Suite
+from sensors.suite import Suite
+from sensors.together import ENOUGH_FOR_THREADS
 
 SENSORS = [
     {"type": "laser", "samples": 60, "noise": 0.01},
