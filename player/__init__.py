@@ -68,32 +68,10 @@ _HOMES = {
         "ProtocolError",
         "XdrError",
     ],
-    "proxies": [
-        "AioProxy",
-        "Blob",
-        "BlobfinderProxy",
-        "BumperProxy",
-        "DioProxy",
-        "FiducialProxy",
-        "Geometry",
-        "Graphics2dProxy",
-        "LaserConfig",
-        "LaserProxy",
-        "Position2dProxy",
-        "Proxy",
-        "RangerConfig",
-        "RangerGeometry",
-        "RangerProxy",
-        "SimulationProxy",
-        "Size",
-        "SpeechProxy",
-    ],
     "robot": ["Robot", "run"],
     "table": ["BumperSegment", "Fiducial"],
     "xdr": ["Pose2d", "Pose3d"],
 }
-_HOME = {name: home for home, names in _HOMES.items() for name in names}
-
 __all__ = [
     "DEFAULT_PORT",
     "Access",
@@ -135,6 +113,11 @@ __all__ = [
     "XdrError",
     "run",
 ]
+
+
+# all others are proxies, and what these give
+_HOME = dict.fromkeys(__all__, "proxies")
+_HOME |= {name: home for home, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:

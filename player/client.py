@@ -24,10 +24,10 @@ from player.codes import (
 )
 from player.environment import Place, find_place, find_timeout
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
-from player.header import pack_message
-from player.hearing import Hearing, request_name
+from player.hearing import Hearing
 from player.link import Link
 from player.printable import printable
+from player.saying import access_to, encoded, request_name
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -39,14 +39,6 @@ DEFAULT_TIMEOUT = 5.0
 _PLAYER = DeviceAddr(Interface.PLAYER, 0)
 _DATA, _CMD, _REQ, _ACK, _, _ = map(int, MessageType)
 _PULL = DataMode.PULL
-
-
-def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
-    """The payload of what a client says: no robot can do anything with NaN, or with infinity."""
-    spec = messages.known(interf, type_, subtype)
-    payload = spec.encode(message)
-    spec.check_finite(message)
-    return payload
 
 
 class PlayerClient:
@@ -206,13 +198,8 @@ class PlayerClient:
         replace: Replace = Replace.REPLACE,
     ) -> None:
         """What the server does with data while older data of its kind waits (-1: any)."""
-        rule = {
-            "interf": interf,
-            "index": index,
-            "type": _DATA,
-            "subtype": subtype,
-            "replace": replace,
-        }
+        rule = {"interf": interf, "index": index, "type": _DATA, "subtype": subtype}
+        rule["replace"] = replace
         self.request(_PLAYER, PlayerRequest.ADD_REPLACE_RULE, rule)
 
     def close(self) -> None:
@@ -229,9 +216,8 @@ class PlayerClient:
         if not self.ending:
             if done and self._outside:
                 for addr in self._hearing.routes:
-                    message = {"addr": (0, 0, *addr), "access": Access.CLOSE, "driver": ""}
-                    payload = _encode(_PLAYER.interf, _REQ, PlayerRequest.DEV, message)
-                    self._link.queue(pack_message(*_PLAYER, _REQ, PlayerRequest.DEV, payload))
+                    close = access_to(DeviceAddr(*addr), Access.CLOSE)
+                    self._link.queue(encoded(_PLAYER, _REQ, PlayerRequest.DEV, close))
             with contextlib.suppress(PlayerDisconnected, OSError):
                 self.flush()
         self._closed = True
@@ -268,8 +254,7 @@ class PlayerClient:
             self._access(proxy.addr, Access.CLOSE)
 
     def _access(self, addr: DeviceAddr, access: Access) -> str:
-        message = {"addr": (0, 0, *addr), "access": access, "driver": ""}
-        reply = self.request(_PLAYER, PlayerRequest.DEV, message)
+        reply = self.request(_PLAYER, PlayerRequest.DEV, access_to(addr, access))
         if reply["access"] != access:
             raise PlayerRefused(f"{self.address} could not {access.name.lower()} {addr}")
         return printable(reply["driver"])
@@ -279,8 +264,7 @@ class PlayerClient:
 
         Raises XdrError, a ValueError, where a value does not fit or is no finite number.
         """
-        payload = _encode(addr.interf, _CMD, subtype, message)
-        self.queue(pack_message(*addr, _CMD, subtype, payload))
+        self.queue(encoded(addr, _CMD, subtype, message))
 
     def queue(self, data: bytes) -> None:
         """Queues one encoded message; sends what is queued when it gets long."""
@@ -301,8 +285,7 @@ class PlayerClient:
         """
         if self._closed or self.ending:
             raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
-        payload = _encode(addr.interf, _REQ, subtype, message or {})
-        self._link.queue(pack_message(*addr, _REQ, subtype, payload))
+        self._link.queue(encoded(addr, _REQ, subtype, message or {}))
         self._link.send_queued(self.timeout)
 
         def name() -> str:

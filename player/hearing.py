@@ -9,20 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from player import messages
 from player.backlog import Backlog
 from player.codes import DeviceAddr, Interface, MessageType, PlayerRequest
 from player.errors import PlayerRefused
-from player.header import Message, pack_message
+from player.header import Message
 from player.link import Deadline, Link
+from player.saying import REQUEST_DATA
 from player.usual_rounds import UsualRounds
 
 if TYPE_CHECKING:
     from player.proxies.base import Proxy
 
 _PLAYER = int(Interface.PLAYER)
-_DATA, _, _REQ, _ACK, _SYNCH, _NACK = map(int, MessageType)
-_REQUEST_DATA = pack_message(_PLAYER, 0, _REQ, PlayerRequest.DATA)
+_DATA, _, _, _ACK, _SYNCH, _NACK = map(int, MessageType)
 
 
 def _data() -> str:
@@ -77,7 +76,7 @@ class Hearing:
         if self._in_step and timeout is None and read_timeout is None:
             self._in_step = False  # unless it ends well
             self._asked = True
-            if self._taken(self._link.exchange(_REQUEST_DATA)):
+            if self._taken(self._link.exchange(REQUEST_DATA)):
                 return
         self._take_slowly(timeout, read_timeout)
 
@@ -105,7 +104,7 @@ class Hearing:
         kept, ended = self._backlog.take()
         over = self._asked and ended  # the round that an earlier read() gave up waiting for
         if not self._asked:
-            link.queue(_REQUEST_DATA)
+            link.queue(REQUEST_DATA)
             self._asked = True
         elif over:
             self._asked = self._acknowledged = False
@@ -202,9 +201,3 @@ class Hearing:
         self.time = message.time
         for proxy in self.routes.get(message[2:4], ()):
             proxy.take(message.subtype, message.payload, message.time)
-
-
-def request_name(addr: DeviceAddr, subtype: int) -> str:
-    """A request as errors name it."""
-    spec = messages.find(addr.interf, _REQ, subtype)
-    return f"{spec.name if spec else subtype} of {addr}"

@@ -12,7 +12,7 @@ from traceback import print_exception
 from typing import TYPE_CHECKING, Any, TextIO
 
 from player.printable import printable_lines
-from sim.fleet.forkserver import hold_standard_descriptors
+from sim.fleet.processes import hold_standard_descriptors
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import resource
 import signal
 import socket
-import struct
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -16,8 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from sim.fleet.forkserver import framed, hold_standard_descriptors, kill_group
+from sim.fleet.forkserver import framed, unframed
 from sim.fleet.output import Output
+from sim.fleet.processes import hold_standard_descriptors, kill_group
 
 Watch = Callable[[Any, Callable[[], None]], None]
 Unwatch = Callable[[Any], None]
@@ -155,12 +154,8 @@ class Fleet:
                 self.lose()
                 break
             self.pending += data
-        while len(self.pending) >= 4:
-            (length,) = struct.unpack(">I", self.pending[:4])
-            if len(self.pending) < 4 + length:
-                break
-            message = json.loads(self.pending[4 : 4 + length])
-            self.pending = self.pending[4 + length :]
+        messages, self.pending = unframed(self.pending)
+        for message in messages:
             key = message["id"]
             self.starting.discard(key)
             if message["op"] == "started":

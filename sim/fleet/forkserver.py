@@ -33,8 +33,7 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import gc
-import importlib.abc
-import importlib.machinery
+import importlib.util
 import json
 import os
 import select
@@ -42,29 +41,40 @@ import signal
 import socket
 import struct
 import sys
-from typing import Any, NoReturn
+from collections.abc import Callable
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NoReturn
+
+
+def neighbour(name: str) -> ModuleType:
+    """A module of this folder, by no name that a program could have for one of its own."""
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), f"{name}.py")
+    spec = importlib.util.spec_from_file_location(f"_troupe_{name}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+if TYPE_CHECKING:
+    from sim.fleet import processes
+else:
+    processes = neighbour("processes")
 
 STACK = signal.SIGUSR1
 """Has a Python program print its stack."""
 
-PR_SET_PDEATHSIG = 1
-PR_SET_CHILD_SUBREAPER = 36
-
-
-def prctl(option: int, value: int) -> None:
-    """Linux's prctl(2); does nothing elsewhere."""
-    if sys.platform == "linux":
-        import ctypes  # noqa: PLC0415 - the simulator imports this module, and needs it not
-
-        with contextlib.suppress(OSError, AttributeError):
-            ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)
-
 
 class ForkServer:
-    """The children, by the simulator's numbers and by process id."""
+    """The children, by the simulator's numbers and by process id.
 
-    def __init__(self, control: socket.socket) -> None:
+    `run(message)` runs what a start asks for, in the child, and gives the exit code.
+    """
+
+    def __init__(self, control: socket.socket, run: Callable[[dict[str, Any]], int]) -> None:
         self.control = control
+        self.run = run
         self.pending = b""
         self.descriptors: list[int] = []
         self.outbox = b""
@@ -105,12 +115,8 @@ class ForkServer:
                 return False
             self.pending += data
             self.descriptors += descriptors
-            while len(self.pending) >= 4:
-                (length,) = struct.unpack(">I", self.pending[:4])
-                if len(self.pending) < 4 + length:
-                    break
-                message = json.loads(self.pending[4 : 4 + length])
-                self.pending = self.pending[4 + length :]
+            messages, self.pending = unframed(self.pending)
+            for message in messages:
                 self.obey(message)
 
     def obey(self, message: dict[str, Any]) -> None:
@@ -119,7 +125,7 @@ class ForkServer:
             passed, self.descriptors = self.descriptors[:count], self.descriptors[count:]
             self.start(message, passed)
         elif message["op"] == "kill" and message["id"] in self.pid_of:
-            kill_group(self.pid_of[message["id"]])
+            processes.kill_group(self.pid_of[message["id"]])
         elif message["op"] == "stack" and message["id"] in self.pid_of:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.kill(self.pid_of[message["id"]], STACK)
@@ -148,7 +154,7 @@ class ForkServer:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
             signal.signal(signal.SIGHUP, signal.SIG_DFL)
             server = os.getppid()
-            prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+            processes.prctl(processes.PR_SET_PDEATHSIG, signal.SIGKILL)
             if os.getppid() != server:
                 os._exit(1)
             os.setsid()
@@ -170,7 +176,7 @@ class ForkServer:
             if message["kind"] != "exec":
                 # chained: what the signal has always done to a program, to end it, it still does
                 faulthandler.register(STACK, file=os.dup(2), all_threads=True, chain=True)
-            code = run_program(message)
+            code = self.run(message)
         except BaseException:
             import traceback  # noqa: PLC0415
 
@@ -215,38 +221,8 @@ class ForkServer:
     def end_all(self) -> None:
         """Kill every child and, where the system tells, all that the children started."""
         for pid in list(self.id_of):
-            kill_group(pid)
-        end_children()
-
-
-def end_children() -> None:
-    """Kill all that this process is the parent of, until nothing is left (Linux)."""
-    for _ in range(100):  # an orphan may fork while it is looked for
-        orphans = children_of(os.getpid())
-        for pid in orphans:
-            kill_group(pid)
-        if not orphans:
-            return
-        with contextlib.suppress(ChildProcessError):
-            os.waitpid(-1, 0)
-
-
-def keep(control: socket.socket) -> None:
-    """Go on as the child of a keeper: it ends what the fork server, if it is killed, leaves."""
-    prctl(PR_SET_CHILD_SUBREAPER, 1)
-    keeper = os.getpid()
-    server = os.fork()
-    if server == 0:
-        prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != keeper:
-            os._exit(1)
-        return
-    control.close()  # its end is the fork server's end
-    with contextlib.suppress(ChildProcessError):
-        while os.waitpid(-1, 0)[0] != server:
-            pass
-    end_children()
-    os._exit(0)
+            processes.kill_group(pid)
+        processes.end_children()
 
 
 def framed(message: dict[str, Any]) -> bytes:
@@ -255,137 +231,26 @@ def framed(message: dict[str, Any]) -> bytes:
     return struct.pack(">I", len(text)) + text
 
 
-def hold_standard_descriptors() -> None:
-    """Open /dev/null in place of whichever of the descriptors 0, 1 and 2 is closed.
-
-    Otherwise the next file or socket would become somebody's standard output.
-    """
-    for descriptor in range(3):
-        try:
-            os.fstat(descriptor)
-        except OSError:
-            opened = os.open(os.devnull, os.O_RDWR)  # the lowest number that is free
-            os.set_inheritable(opened, True)
-
-
-def kill_group(pid: int) -> None:
-    """Kill a process and its group."""
-    for kill in (os.killpg, os.kill):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            kill(pid, signal.SIGKILL)
-
-
-def children_of(pid: int) -> list[int]:
-    """The processes that `pid` is the parent of (Linux; elsewhere none are known)."""
-    try:
-        with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
-            return [int(word) for word in file.read().split()]
-    except OSError:
-        return []
-
-
-def run_program(message: dict[str, Any]) -> int:
-    """Run what was asked for, in this process; the exit code."""
-    import atexit  # noqa: PLC0415
-    import runpy  # noqa: PLC0415
-    import threading  # noqa: PLC0415
-
-    from player import PlayerDisconnected  # noqa: PLC0415
-
-    sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)
-    sys.stdout = os.fdopen(1, "w", 1, encoding="utf-8", errors="replace", closefd=False)
-    sys.stderr = os.fdopen(2, "w", 1, encoding="utf-8", errors="replace", closefd=False)
-    if not os.environ.get("PYTHONBREAKPOINT"):
-        sys.breakpointhook = no_terminal
-    target, argv = message["target"], message["argv"]
-    if message["kind"] == "exec":
-        try:
-            os.execvp(target, [target, *argv])
-        except OSError as error:
-            print(f"cannot run {target}: {error.strerror or error}", file=sys.stderr)
-            return 127
-    code = 0
-    try:
-        if message["kind"] == "module":
-            sys.path.insert(0, message["root"])
-            sys.argv = [target, *argv]
-            runpy.run_module(target, run_name="__main__", alter_sys=True)
-        else:
-            sys.path.insert(0, os.path.dirname(target))
-            sys.path.append(message["folder"])  # the world's: its modules, if nobody else has them
-            sys.meta_path.insert(0, OwnFirst(message["root"]))
-            sys.argv = [target, *argv]
-            runpy.run_path(target, run_name="__main__")
-    except SystemExit as end:
-        if isinstance(end.code, int) or end.code is None:
-            code = end.code or 0
-        else:
-            print(end.code, file=sys.stderr)
-            code = 1
-    except PlayerDisconnected:
-        # The simulator has ended the run, or this program's part in it, and has told why; the
-        # program was busy with something else than `read`.
-        code = 1
-    except BaseException as error:
-        print(own_traceback(error), end="", file=sys.stderr)
-        code = 1
-    with contextlib.suppress(BaseException):
-        threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, as an exit does
-        atexit._run_exitfuncs()
-    return code
-
-
-def no_terminal(*words: Any, **more: Any) -> NoReturn:
-    """What `breakpoint()` does in a program whose input is empty."""
-    raise RuntimeError(
-        "breakpoint(): a program of a world file has no terminal. Let its robot's controller be "
-        "`external: true`, run the world with --patience 0, and start the program by hand"
-    )
-
-
-class OwnFirst(importlib.abc.MetaPathFinder):
-    """Finds a program's own modules that have the names of our packages, wherever ours lie.
-
-    Where Troupe is installed our `controllers` can be imported like any other package. It must not
-    come before a folder `controllers` of the program's own, not even before one that has no
-    `__init__.py`, which to Python is no match for a package that has.
-    """
-
-    names = ("controllers", "sensors", "sim", "troupe")
-
-    def __init__(self, root: str) -> None:
-        self.root = os.path.realpath(root)
-
-    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
-        """The module's spec; None if there is none but ours."""
-        if name not in self.names:
-            return None
-        places = [at for at in sys.path if os.path.realpath(at or os.curdir) != self.root]
-        return importlib.machinery.PathFinder.find_spec(name, places, target)
-
-
-def own_traceback(error: BaseException) -> str:
-    """A program's traceback with its causes, without the frames of those that have run it."""
-    import runpy  # noqa: PLC0415
-    import traceback  # noqa: PLC0415
-
-    runners = {run_program.__code__.co_filename, runpy.run_path.__code__.co_filename}
-    told = traceback.TracebackException.from_exception(error)
-    ours = 0  # those at the top only: a program may use runpy itself
-    while ours < len(told.stack) and told.stack[ours].filename in runners:
-        ours += 1
-    del told.stack[:ours]
-    return "".join(told.format())
+def unframed(data: bytes) -> tuple[list[dict[str, Any]], bytes]:
+    """The messages that are whole, and the bytes behind them."""
+    messages = []
+    while len(data) >= 4:
+        (length,) = struct.unpack_from(">I", data)
+        if len(data) < 4 + length:
+            break
+        messages.append(json.loads(data[4 : 4 + length]))
+        data = data[4 + length :]
+    return messages, data
 
 
 def main() -> None:
     """Serve on the socket whose descriptor is the first argument."""
-    hold_standard_descriptors()
+    processes.hold_standard_descriptors()
     control = socket.socket(fileno=int(sys.argv[1]))
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)  # the simulator decides, by closing the socket
-    keep(control)
-    prctl(PR_SET_CHILD_SUBREAPER, 1)
+    processes.keep(control)
+    processes.prctl(processes.PR_SET_CHILD_SUBREAPER, 1)
     if hasattr(os, "SCHED_BATCH"):
         # a controller that wakes must not interrupt the simulator, which has others to wake
         with contextlib.suppress(OSError):
@@ -397,10 +262,11 @@ def main() -> None:
 
     for name in player.__all__:  # all of it, once for all children
         getattr(player, name)
+    program = neighbour("program")
     sys.path.pop(0)
     gc.collect()
     gc.freeze()  # the children share these pages for as long as nobody touches them
-    server = ForkServer(control)
+    server = ForkServer(control, program.run)
     try:
         server.serve()
     finally:

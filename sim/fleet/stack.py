@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-RUNNERS = re.compile(r'\s*File "([^"]*/sim/fleet/forkserver\.py|<frozen runpy>|[^"]*/runpy\.py)"')
+RUNNERS = re.compile(
+    r'\s*File "([^"]*/sim/fleet/(?:forkserver|program)\.py|<frozen runpy>|[^"]*/runpy\.py)"'
+)
 THREAD = re.compile(r"(Current thread|Thread) 0x[0-9a-f]+")
 
 

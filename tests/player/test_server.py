@@ -158,7 +158,7 @@ def test_small_messages_are_not_held_back_by_nagle(server, sockets):
 def test_who_may_have_more_to_say_is_acknowledged_at_once(server, sockets, monkeypatch):
     """Linux takes that back by itself, and then each of the client's writes waits 40 ms."""
     asked = []
-    monkeypatch.setattr("player.server.quick_acknowledge", asked.append)
+    monkeypatch.setattr("player.connection.quick_acknowledge", asked.append)
     client = sockets(server.listen("127.0.0.1", 0, directory()))
     [(connection, _)] = handle(server, [Connected])
     for times in (1, 2, 3):
@@ -169,7 +169,7 @@ def test_who_may_have_more_to_say_is_acknowledged_at_once(server, sockets, monke
 
 def test_who_waits_for_data_is_acknowledged_with_the_data(server, sockets, monkeypatch):
     asked = []
-    monkeypatch.setattr("player.server.quick_acknowledge", asked.append)
+    monkeypatch.setattr("player.connection.quick_acknowledge", asked.append)
     client = sockets(server.listen("127.0.0.1", 0, directory()))
     handle(server, [Connected])
     client.sendall(data_mode(PULL))
@@ -185,7 +185,7 @@ def test_a_request_that_nagle_has_held_back_is_heard_with_the_command_before_it(
 ):
     """It is on its way as soon as the command is acknowledged."""
     ours, client = sockets.pair()
-    monkeypatch.setattr("player.server.quick_acknowledge", lambda sock: client.sendall(ASK))
+    monkeypatch.setattr("player.connection.quick_acknowledge", lambda sock: client.sendall(ASK))
     connection = server._add(ours, directory(), False, "as if over TCP", 6665)
     connection.session.receive(data_mode(PULL))
     client.sendall(velocity(1.0))
@@ -222,7 +222,7 @@ def pulling(server, sockets):
 
 
 def test_that_a_request_was_heard_is_told_with_the_data_in_one_piece(server, sockets, monkeypatch):
-    monkeypatch.setattr("player.server.monotonic", lambda: 0.0)
+    monkeypatch.setattr("player.connection.monotonic", lambda: 0.0)
     client = pulling(server, sockets)
     with pytest.raises(BlockingIOError):
         client.recv(1)
@@ -235,7 +235,7 @@ def test_that_a_request_was_heard_is_told_before_long_if_there_are_no_data(
     server, sockets, monkeypatch
 ):
     clock = [0.0]
-    monkeypatch.setattr("player.server.monotonic", lambda: clock[0])
+    monkeypatch.setattr("player.connection.monotonic", lambda: clock[0])
     client = pulling(server, sockets)
     clock[0] = HELD_FOR
     assert server.poll(0) == []
@@ -246,7 +246,7 @@ def test_that_a_request_was_heard_is_told_before_long_if_there_are_no_data(
 
 
 def test_any_other_answer_takes_it_along_at_once(server, sockets, monkeypatch):
-    monkeypatch.setattr("player.server.monotonic", lambda: 0.0)
+    monkeypatch.setattr("player.connection.monotonic", lambda: 0.0)
     client = pulling(server, sockets)
     client.sendall(say(5, 0, REQ, 1))
     server.poll(PATIENCE)

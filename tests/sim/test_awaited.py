@@ -103,7 +103,8 @@ def test_the_frames_of_the_runners_are_left_out() -> None:
         "Current thread 0x00007f0b (most recent call first):",
         '  File "/home/me/my/runpy.pyx", line 3 in go',
         '  File "<frozen runpy>", line 88 in _run_code',
-        '  File "/opt/sim/fleet/forkserver.py", line 270 in run_program',
+        '  File "/opt/sim/fleet/program.py", line 70 in run',
+        '  File "/opt/sim/fleet/forkserver.py", line 160 in become',
     ]
     assert own_frames(lines) == [
         "Thread, the newest call first:",

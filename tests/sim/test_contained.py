@@ -49,7 +49,7 @@ with PlayerClient() as robot:
     assert one.error is not None
     assert "RuntimeError: the wheel came off" in one.error
     assert 'mine.py", line' in one.error
-    assert "forkserver" not in one.error
+    assert "sim/fleet" not in one.error
     assert two.state == "running"
     assert result.sim_time == pytest.approx(3.0)
     assert one.distance < 0.6  # it stopped when nobody drove it any more

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import troupe
-from sim.fleet.forkserver import own_traceback
 from sim.fleet.launching import environment
+from sim.fleet.program import own_traceback
 from tests.patience import PATIENCE
 from tests.processes import ROOT
 from tests.processes import environment as variables
@@ -45,7 +45,7 @@ def test_a_traceback_tells_what_was_the_cause(world_with: World) -> None:
     assert "direct cause" in error
     assert "During handling" in error
     assert "runpy" not in error
-    assert "forkserver" not in error
+    assert "sim/fleet" not in error
 
 
 def test_a_program_whose_name_is_like_the_runners_keeps_its_frames(
