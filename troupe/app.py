@@ -6,11 +6,11 @@ from importlib import import_module
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperGroup
 from typer.main import get_command, get_group
 
 from troupe import __version__
-from troupe.view_option import ViewCommand
+from troupe.optional_values import Command
 
 COMMANDS = (
     "run",
@@ -33,9 +33,6 @@ COMMANDS = (
 """The commands in the order of `troupe --help`: each is the function, or the group of commands, of
 that name in the module of that name in `troupe/commands`. A new one is a file there and its line
 above. Where Python has a word for itself a `_` stands behind it."""
-
-READ_BY: dict[str, type[TyperCommand]] = {"run": ViewCommand}
-"""Commands whose arguments are read in a way of their own."""
 
 MODULES = {module.rstrip("_"): module for module in COMMANDS}
 """The commands' modules by the commands' names."""
@@ -67,7 +64,7 @@ def load(name: str) -> Any:
         group.name = name
         return group
     alone = typer.Typer(**SETTINGS)
-    alone.command(name, cls=READ_BY.get(name))(found)
+    alone.command(name, cls=Command)(found)
     return get_command(alone)
 
 

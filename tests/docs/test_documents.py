@@ -22,6 +22,7 @@ from tests.processes import ROOT, environment, troupe_command
 PAGES = [
     "README.md",
     "docs/running.md",
+    "docs/viewing.md",
     "docs/logs.md",
     "docs/controllers.md",
     "docs/python.md",
