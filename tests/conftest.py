@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import textwrap
 from collections.abc import Callable
@@ -17,6 +18,13 @@ settings.load_profile("patient")
 # Tests that are run in the background of a script have Ctrl-C ignored, and so would have every
 # process that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish() -> None:
+    """What is loaded lives to the end: no test's garbage is looked for in it."""
+    gc.collect()
+    gc.freeze()
+
 
 WORLD = """\
 size: [10, 10]

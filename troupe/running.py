@@ -106,6 +106,10 @@ def run_file(
         for one in keep:
             one(line)
 
+    if isinstance(world, str | Path):
+        from troupe.worlds import find_world  # noqa: PLC0415
+
+        world = find_world(str(world))
     fleet = Fleet(show=tell)  # first: it gets ready while we load the rest
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
@@ -114,11 +118,8 @@ def run_file(
         from sim.run import run_world  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
         from troupe.warm import warm_once  # noqa: PLC0415
-        from troupe.world import World, loaded_world  # noqa: PLC0415
-        from troupe.worlds import find_world  # noqa: PLC0415
+        from troupe.world import loaded_world  # noqa: PLC0415
 
-        if not isinstance(world, Mapping | World):
-            world = find_world(str(world))
         warm_once(say)
         compiling = ending.enter_context(Compiling(say))
         loaded = loaded_world(world, as_text(settings))

@@ -11,7 +11,7 @@ import pytest
 
 from tests import started
 from tests.patience import PATIENCE
-from tests.processes import environment
+from tests.processes import environment, troupe_command
 from troupe.worlds import find_world
 
 WORLD = """\
@@ -36,8 +36,10 @@ def folder(tmp_path: Path) -> Path:
 def test_a_piped_world_finds_its_map_from_the_current_folder(
     folder: Path, command: str, words: str
 ) -> None:
+    # the shell's own pipe, /dev/fd/63, is open in a process of its own alone
+    troupe = troupe_command() if words.startswith("<(") else started.command()
     done = subprocess.run(
-        ["bash", "-c", f'"$@" {command} {words}', "bash", *started.command()],
+        ["bash", "-c", f'"$@" {command} {words}', "bash", *troupe],
         env=environment(),
         cwd=folder,
         capture_output=True,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
-from tests.processes import environment
+from tests import started
 
 KERNEL = """\
+import sys
+sys.dont_write_bytecode = True
 import constants
 import numba
 from gridworld.compiled import keyed
@@ -30,14 +30,8 @@ def test_a_kernel_is_compiled_anew_when_a_constant_of_another_file_has_changed(
     found = []
     for factor in (2, 2, 3):
         (tmp_path / "constants.py").write_text(f"FACTOR = {factor}\n")
-        done = subprocess.run(
-            [sys.executable, "kernel.py"],
-            env=environment(PYTHONDONTWRITEBYTECODE="1"),
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
+        done = started.troupe(program=tmp_path / "kernel.py")
+        assert done.returncode == 0, done.stderr
         found.append(done.stdout.split())
     assert found == [["14", "0"], ["14", "1"], ["21", "0"]]  # the result, and hits of the cache
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -31,26 +33,32 @@ def check(
     Exit code 2 if there is any mistake.
     """
     from player.printable import printable  # noqa: PLC0415 - `troupe --help` stays quick
-    from sim.build import load  # noqa: PLC0415
-    from sim.worldfile import WorldError  # noqa: PLC0415
-    from troupe.compiling import Compiling  # noqa: PLC0415
-    from troupe.warm import tell, warm_once  # noqa: PLC0415
+    from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
     from troupe.worlds import find_world  # noqa: PLC0415
 
     refused = False
     for world in worlds:
         try:
             path = find_world(world)
-            warm_once(tell)
-            with Compiling():
-                loaded = load(path, settings=settings or ())
+            world_summary = summary(loaded(path, settings or ()))
         except WorldError as error:
             print(error, file=sys.stderr)
             refused = True
         else:
-            print(printable(f"{path}: ok ({summary(loaded)})"))
+            print(printable(f"{path}: ok ({world_summary})"))
     if refused:
         raise typer.Exit(2)
+
+
+def loaded(path: Path, settings: Sequence[str]) -> LoadedWorld:
+    """The world of a file that is there; raises WorldError."""
+    from sim.build import load  # noqa: PLC0415 - loads numba
+    from troupe.compiling import Compiling  # noqa: PLC0415
+    from troupe.warm import tell, warm_once  # noqa: PLC0415
+
+    warm_once(tell)
+    with Compiling():
+        return load(path, settings=settings)
 
 
 def summary(loaded: LoadedWorld) -> str:

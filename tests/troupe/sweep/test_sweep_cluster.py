@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import psutil
@@ -17,7 +18,7 @@ from troupe.sweep.collect import csv_of, gather
 from troupe.sweep.session import How, sweep
 from troupe.usage import UsageError
 
-distributed = pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs distributed")
 
 DRIVES = """\
 from player import LaserProxy, PlayerClient, Position2dProxy
@@ -31,6 +32,8 @@ with PlayerClient() as robot:
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     """A scheduler's address and its three workers, each a process as on three machines."""
+    import distributed  # noqa: PLC0415 - a second, for each process that collects the tests
+
     where = tmp_path / "scheduler.json"
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1",
                "--port", "0", "--no-dashboard", "--scheduler-file", str(where)]  # fmt: skip

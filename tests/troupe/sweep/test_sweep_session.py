@@ -30,7 +30,8 @@ with PlayerClient() as robot:
     if int(os.environ["TROUPE_SEED"]) % 2:
         raise ValueError("odd")
 """
-QUIETLY = How(jobs=2, quiet=True)
+QUIETLY = How(jobs=1, quiet=True)
+IN_PAIRS = How(jobs=2, quiet=True)
 
 
 def test_a_run_has_the_result_that_it_has_alone(tmp_path: Path) -> None:
@@ -43,7 +44,7 @@ def test_a_run_has_the_result_that_it_has_alone(tmp_path: Path) -> None:
 
 def test_only_what_is_missing_is_run_and_the_table_is_the_same(tmp_path: Path) -> None:
     plan = plan_of(quiet_world(tmp_path), "0:6", "clock.interval=0.1,0.05")
-    first = sweep(plan, tmp_path / "whole", QUIETLY)
+    first = sweep(plan, tmp_path / "whole", IN_PAIRS)
     assert (first.ran.total(), first.missing) == (12, 0)
     for part in (1, 2, 3):
         sweep(plan, tmp_path / "parts", How(jobs=1, quiet=True, shard=(part, 3)))
@@ -67,7 +68,7 @@ def test_many_runs_are_kept_in_batches(tmp_path: Path, monkeypatch: pytest.Monke
     plan = plan_of(quiet_world(tmp_path), "0:6")
     sweep(plan, tmp_path / "files", QUIETLY)
     monkeypatch.setattr(sessions, "MANY", 6)
-    sweep(plan, tmp_path / "batches", QUIETLY)
+    sweep(plan, tmp_path / "batches", IN_PAIRS)
     assert not (tmp_path / "batches" / "runs").exists()
     tables = [csv_of(gather([tmp_path / name]).results) for name in ("files", "batches")]
     assert tables[0] == tables[1]
@@ -208,7 +209,7 @@ def test_nothing_comes_of_a_few_kills(tmp_path: Path) -> None:
     for seed in range(5, 15):
         folder = tmp_path / str(seed)
         folder.mkdir()
-        if compare(folder, kills=4, runs=12, seed=seed):
+        if compare(folder, kills=3, runs=8, seed=seed):
             return
     raise AssertionError("no kill came while a sweep was going on")
 
