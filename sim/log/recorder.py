@@ -126,7 +126,7 @@ class Recorder:
             stage.movable_poses.tobytes() if self.movables else b"",
             scenery.odometry.poses.copy() if self.wants_odometry else None,
             self.sensed.fans(scenery.suite, self.news.names) if self.sensed.wanted else (),
-            events,
+            events or (),  # rather than many empty lists, which the garbage collector looks into
             painted,
             touched,
         )
