@@ -108,7 +108,8 @@ class Recorder:
         contacts = stage.contact_counts.tobytes()
         touched = None
         if contacts != self.contacts:
-            touched, self.contacts = stage.contact_points, contacts
+            robots, points = stage.contact_points
+            touched, self.contacts = (robots.copy(), points.copy()), contacts
         movers = b""
         if stage.told != self.told:
             movers, self.told = stage.records.tobytes(), stage.told
