@@ -55,9 +55,9 @@ def trial(folder: Path, number: int) -> tuple[int, int, int, float]:
         told += [read(line) for line in process.stdout if line.endswith("\n")]
     saved = recover(log, whole)
     found = Log(whole)
-    kept = len(found.ticks)
-    scans = min(len(found.scans(robot).times) for robot in found.robots)
-    if scans != kept or strictly_read(whole) != saved.messages:
+    scans = [len(found.scans(robot).times) for robot in found.robots]
+    kept = min(len(found.ticks), *scans)
+    if strictly_read(whole) != saved.messages:
         kept = 0
     old = sum(at < killed - 1.0 for _, at in told)
     lost = killed - told[kept][1] if kept < len(told) else 0.0

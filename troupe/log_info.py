@@ -26,9 +26,8 @@ def described(path: Path) -> Iterator[str]:
         yield f"{outcome}, {result['digest']}"
     span = f"{log.times[0]:g} s to {log.times[-1]:g} s" if len(ticks) else "no time"
     yield f"{counted(len(ticks), 'tick')} of {log.interval:g} s, {span}"
-    yield f"{log._reader.size} bytes" + (
-        f", {log._reader.size / len(ticks):.0f} a tick" if len(ticks) else ""
-    )
+    size = log._reader.size
+    yield sized(size) + (f", {sized(size / len(ticks))} a tick" if len(ticks) else "")
     made = ", ".join(
         f"{name} {about[name]}" for name in ("python", "numpy", "numba", "pymunk") if name in about
     )
@@ -50,3 +49,12 @@ def described(path: Path) -> Iterator[str]:
         yield f"  {log._reader.count(topic):8} {topic} ({kind})"
     if len(topics) > MOST_TOPICS:
         yield f"           ... and {len(topics) - MOST_TOPICS} more"
+
+
+def sized(size: float) -> str:
+    """Bytes, as people read them."""
+    for unit in ("bytes", "kB", "MB"):
+        if size < 1000.0:
+            return f"{size:.0f} {unit}" if unit == "bytes" else f"{size:.1f} {unit}"
+        size /= 1000.0
+    return f"{size:.2f} GB"

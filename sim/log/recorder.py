@@ -108,7 +108,8 @@ class Recorder:
         contacts = stage.contact_counts.tobytes()
         touched = None
         if contacts != self.contacts:
-            touched, self.contacts = stage.contact_points, contacts
+            robots, points = stage.contact_points
+            touched, self.contacts = (robots.copy(), points.copy()), contacts
         movers = b""
         if stage.told != self.told:
             movers, self.told = stage.records.tobytes(), stage.told
@@ -126,7 +127,7 @@ class Recorder:
             stage.movable_poses.tobytes() if self.movables else b"",
             scenery.odometry.poses.copy() if self.wants_odometry else None,
             self.sensed.fans(scenery.suite, self.news.names) if self.sensed.wanted else (),
-            events,
+            events or (),  # rather than many empty lists, which the garbage collector looks into
             painted,
             touched,
         )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sim.log.blocks import PREFIX, message_indexes
 from sim.log.container import CHUNK_HEAD, MAGIC, LogFile
 from sim.log.errors import LogError
-from sim.log.source import DAMAGES, RECORD, Source, check_ours, each_record, parsed, unpack
+from sim.log.source import DAMAGES, RECORD, Source, check_ours, parsed, unpack
 from sim.log.writer import reason
 
 COPIED = (Opcode.HEADER, Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.METADATA)
@@ -109,19 +109,43 @@ def messages(
     records: bytes, out: LogFile, known: set[tuple[str, int]]
 ) -> tuple[NDArray[np.uint16], NDArray[np.uint64], NDArray[np.uint64]]:
     """Channels, times and offsets of a chunk's messages; tells `out` of what else is in it."""
-    offsets, at = [], 0
-    for opcode, record in each_record(records):
+    channels, times = [np.zeros(0, np.uint16)], [np.zeros(0, np.uint64)]
+    offsets = [np.zeros(0, np.uint64)]
+    view, at = memoryview(records), 0
+    while at + RECORD.size <= len(records):
+        opcode, size = RECORD.unpack_from(records, at)
+        end = at + RECORD.size + size
+        if end > len(records):
+            raise ValueError("a record is longer than its chunk")
         if opcode == Opcode.MESSAGE:
-            offsets.append(at)
+            step = end - at
+            count = alike(view[at:], step)
+            end = at + count * step
+            prefixes = np.ndarray((count,), PREFIX, records, at, (step,))
+            channels.append(prefixes["channel"])
+            times.append(prefixes["log_time"])
+            offsets.append(np.arange(at, end, step).astype(np.uint64))
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             kind: Any = mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel
-            one = parsed(kind, record)
+            one = parsed(kind, view[at + RECORD.size : end])
             group = out.tail.schemas if opcode == Opcode.SCHEMA else out.tail.channels
             if (kind.__name__, one.id) not in known:
                 known.add((kind.__name__, one.id))
                 group.append(one)
-        at += RECORD.size + len(record)
-    places = np.array(offsets, np.int64)
-    data = np.frombuffer(records, np.uint8)
-    prefixes = data[places[:, None] + np.arange(PREFIX.itemsize)].copy().view(PREFIX)[:, 0]
-    return prefixes["channel"], prefixes["log_time"], places.astype(np.uint64)
+        at = end
+    return np.concatenate(channels), np.concatenate(times), np.concatenate(offsets)
+
+
+def alike(records: memoryview, step: int) -> int:
+    """How many records of `step` bytes and one kind follow each other at the beginning of some."""
+    count, look = 1, 8
+    while look and (count + look) * step <= len(records):
+        part = np.frombuffer(records[count * step : (count + look) * step], np.uint8)
+        same = part.reshape(look, step)[:, : RECORD.size] == np.frombuffer(
+            records[: RECORD.size], np.uint8
+        )
+        others = np.flatnonzero(~same.all(axis=1))
+        if len(others):
+            return count + int(others[0])
+        count, look = count + look, 2 * look
+    return count

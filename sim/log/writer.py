@@ -19,7 +19,7 @@ FORMAT = 1
 WAIT = 0.4
 """Wall-clock seconds in which states are gathered for a chunk: with the time that it takes to
 write one, everything that is older than a second is in the file."""
-CHUNK_BYTES = 1 << 23
+CHUNK_BYTES = 1 << 24
 """What a chunk holds, roughly and before it is compressed: a reader that seeks unpacks one."""
 MOST_WAITING = 1 << 28
 """Bytes of states that may wait to be written; then the run waits too."""

@@ -105,6 +105,8 @@ def chart(
         top = bottom + 1.0
     if high <= low:
         high = low + 1.0
+    elif x_range is None and any(one.points for one in series):
+        high += 0.02 * (high - low)  # no point is cut by the edge
     top = bottom + 1.04 * (top - bottom) if y_top is None else top
     labelled = [one for one in series if one.label]
     head = TOP + LEGEND * (len(labelled) > 1)
@@ -211,7 +213,7 @@ def time_line(names: Sequence[str], happened: Iterable[Mark], until: float, titl
         parts.append(line(x, floor, x, floor + 4, SOFT))
         parts.append(text(x, floor + 17, number(value), anchor="middle"))
     parts.append(line(left, floor, right, floor, SOFT))
-    parts.append(text((left + right) / 2, floor + 34, "s", anchor="middle", soft=False))
+    parts.append(text((left + right) / 2, floor + 34, "time, s", anchor="middle", soft=False))
     return document(title, parts, floor + BOTTOM)
 
 

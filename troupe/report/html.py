@@ -30,6 +30,14 @@ pre {
   padding: .4rem .7rem; margin: 0; overflow-x: auto; white-space: pre-wrap;
   overflow-wrap: anywhere;
 }
+@media print {
+  @page { margin: 15mm; }
+  body { max-width: none; margin: 0; padding: 0; font-size: 10pt; }
+  figure, tr { break-inside: avoid; }
+  h1, h2 { break-after: avoid; }
+  thead { display: table-header-group; }
+  .wide { overflow: visible; }
+}
 """
 
 

@@ -136,7 +136,7 @@ def what_happened(log: Log) -> list[str]:
     if said:
         parts.append(
             table(
-                ("s", "robot", "said"),
+                ("time, s", "robot", "said"),
                 [(f"{one.time:.1f}", one.robot, one.text) for one in said],
                 texts=(1, 2),
             )
@@ -158,7 +158,7 @@ def entered_and_ended(log: Log) -> str | None:
     series = [Series("entered", CURVE, *steps(entries, until))]
     if len(ends):
         series.append(Series("controller ended", "#d55e00", *steps(ends, until)))
-    svg = chart(series, "Robots that have entered and ended", "s", "robots")
+    svg = chart(series, "Robots that have entered and ended", "time, s", "robots")
     told = f", controllers ended from {ends[0]:.1f} to {ends[-1]:.1f} s" if len(ends) else ""
     entered = f"Robots entered from {entries[0]:.1f} to {entries[-1]:.1f} s{told}."
     return figure(svg, entered)
@@ -177,7 +177,7 @@ def contacts(log: Log) -> list[str]:
     if not touches:
         return ["<h2>Contacts</h2>", "<p>No robot touched anything.</p>"]
     rows = [(f"{t.time:.1f}", t.robot, f"{t.point[0]:.2f}", f"{t.point[1]:.2f}") for t in touches]
-    return ["<h2>Contacts</h2>", table(("s", "robot", "x, m", "y, m"), rows, texts=(1,))]
+    return ["<h2>Contacts</h2>", table(("time, s", "robot", "x, m", "y, m"), rows, texts=(1,))]
 
 
 def controllers(log: Log, result: dict[str, Any] | None) -> list[str]:

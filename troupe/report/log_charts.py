@@ -71,10 +71,10 @@ def driving(log: Log, measures: Measures, result: dict[str, Any] | None) -> list
     return [
         "<h2>Driving</h2>",
         figure(
-            chart(speeds, "Speeds", "s", "m/s", bands=bands),
+            chart(speeds, "Speeds", "time, s", "speed, m/s", bands=bands),
             f"Speed, the mean of every {stretch} s.{spread}",
         ),
-        figure(chart(total, "Distances", "s", "m"), f"Distance driven.{mean}"),
+        figure(chart(total, "Distances", "time, s", "distance, m"), f"Distance driven.{mean}"),
         table(
             ("robot", "distance, m", "mean speed, m/s", "top speed, m/s", "stalled, s", "contacts"),
             rows,
@@ -95,7 +95,7 @@ def company(log: Log, measures: Measures) -> list[str]:
     return [
         "<h2>Nearest robots</h2>",
         figure(
-            chart(series, "Least distance between two robots", "s", "m"),
+            chart(series, "Least distance between two robots", "time, s", "least distance, m"),
             f"The least distance between two robots, centre to centre.{sampled} Closest: "
             f"{escaped(one)} and {escaped(other)}, {closest.distance:.3f} m at "
             f"{closest.time:.1f} s.",
@@ -122,7 +122,7 @@ def painting(log: Log, result: dict[str, Any] | None) -> list[str]:
     return [
         "<h2>Coverage</h2>",
         figure(
-            chart(thin(series), "Coverage", "s", "%"),
+            chart(thin(series), "Coverage", "time, s", "painted, %"),
             f"Painted share of the floor; {100 * share[-1]:.2f} % at the end{passes}.{told}",
         ),
     ]

@@ -160,3 +160,16 @@ def test_a_channels_messages_stand_in_the_order_of_time(kept: Kept) -> None:
             times = [m.log_time for _, _, m in make_reader(file).iter_messages(topics=[topic])]
             assert times == sorted(times)
             assert times
+
+
+def test_who_looks_for_poses_unpacks_no_readings(kept: Kept) -> None:
+    path, known = kept
+    log = troupe.Log(path)
+    reader = log._reader
+    sensed = {reader.topics[f"/{name}/{what}"][0] for name in ("one", "twotwo")
+              for what in ("scan", "blobs", "odom")}  # fmt: skip
+    holding = [set(chunk.places["channel"].tolist()) for chunk in reader.chunks]
+    assert any(sensed & channels for channels in holding)
+    states = reader.topics["/troupe/state"][0]
+    assert not any(states in channels and sensed & channels for channels in holding)
+    assert log[1.0:].poses.tobytes() == known["poses"][9:].tobytes()
