@@ -121,17 +121,15 @@ export class Card {
 
   /** How long the world waited for its controller. */
   #waits(told, log, put, color, ink) {
-    this.waited.hidden = !told?.ticks.length;
+    this.waited.hidden = !told;   // with no tick yet too: nothing is to move under a finger
     if (!told) {
       put("waits", log ? "a log does not keep them" : null);
       return;
     }
     const now = told.now === null ? "" : `now ${told.now.toFixed(1)} s, `;
-    if (!told.ticks.length) {
-      put("waits", `${now}timed from the next tick on`);
-      return;
-    }
-    put("waits", `${now}last tick ${told.ticks.at(-1).toFixed(1)} ms, longest ${told.longest.toFixed(1)} ms`);
+    put("waits", told.ticks.length
+      ? `${now}last tick ${told.ticks.at(-1).toFixed(1)} ms, longest ${told.longest.toFixed(1)} ms`
+      : `${now}timed from the next tick on`);
     waits(this.waited, told.ticks, color, ink);
   }
 }
