@@ -17,6 +17,7 @@ import tempfile
 import threading
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
 from websockets.exceptions import ConnectionClosed
@@ -173,7 +174,7 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
     path = folder / "cost.mcap"
     log = open_log(path, loaded, ["all"] if sensors else [], about)
     log.writer.stop()  # what it would do is timed here
-    kept: list[TickState] = []
+    kept: list[Any] = []
     log.writer.put = lambda item, size: kept.append(item)  # type: ignore[method-assign]
     random = np.random.default_rng(1)
     ticks, hooks = [], []
@@ -190,7 +191,7 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
         log.each_tick(engine)
         ticks.append(ended - began)
         hooks.append(perf_counter() - ended)
-    states = [one for one in kept if isinstance(one, TickState)]
+    states: list[Any] = [one for one in kept if isinstance(one, TickState)]
     waiting = sum(map(size_of, states))
     log.writer._write(kept[:], waiting)  # entries and bodies once, and what is compiled
     before = log.writer.file.at
@@ -245,60 +246,84 @@ def hall(count: int) -> tuple[int, int]:
 
 
 def in_process(folder: Path, count: int, ticks: int, repeats: int) -> tuple[str, str]:
-    """Speed of moving and sensing without controllers, and nanoseconds per ray of the lasers.
+    """Speed of a simulation that is driven and read from Python, and nanoseconds per ray of lasers.
 
     Both by the processor's time, which other programs on the machine disturb less: simulated
     seconds per second of one core.
     """
-    from sim.build import load  # noqa: PLC0415
-    from sim.scenery import Scenery  # noqa: PLC0415 - after the path is set
+    import troupe  # noqa: PLC0415 - after the path is set
 
-    loaded = load(world(folder, "null", 10, size=hall(count), count=count))
+    random = np.random.default_rng(1)
+    speeds = []
+    path = world(folder, "null", 1e6, size=hall(count), count=count)
+    with troupe.Simulation(path, seed=1, controllers=False) as sim:
+        for _ in range(repeats + 1):
+            began = process_time()
+            for _ in range(ticks):
+                sim.command(forward=0.4, turn=random.standard_normal(count) * 0.5)
+                sim.step()
+                sim.readings("laser").ranges  # noqa: B018 - it is made
+                sim.readings("blobfinder").counts  # noqa: B018
+            speeds.append(0.1 * ticks / (process_time() - began))
+    return (
+        f"{float(f'{statistics.median(speeds[1:]):.3g}'):g} x real time",
+        f"{ray(path):.1f} ns",
+    )
+
+
+def ray(path: Path) -> float:
+    """Nanoseconds of a ray, all lasers of a world in one batch."""
+    from sim.build import load  # noqa: PLC0415 - after the path is set
+    from sim.scenery import Scenery  # noqa: PLC0415
+
+    loaded = load(path)
     field = Scenery(loaded, 1)
     for spec, pose in zip(loaded.robots, field.start_poses, strict=True):
         field.add_robot(spec.name, spec.model, loaded.world.models[spec.model], pose)
-    random = np.random.default_rng(1)
-    robots = np.arange(count)
-    speeds = []
-    for _ in range(repeats + 1):
-        began = process_time()
-        for tick in range(ticks):
-            turns = random.standard_normal(count) * 0.5
-            field.stage.command(robots, np.stack([np.full(count, 0.4), 0 * turns, turns], 1))
-            field.stage.tick()
-            field.refresh()
-            field.odometry.update(field.stage.poses, 0.1, tick)
-            field.suite.sense(tick, 0.1 * tick)
-        speeds.append(0.1 * ticks / (process_time() - began))
+    field.stage.tick()
+    field.refresh()
     lasers = np.zeros(field.suite.slots, bool)
     lasers[0::2] = True
-    rays = []
-    for tick in range(20):
+    times = []
+    for tick in range(21):
         began = process_time()
         field.suite.sense(tick, 0.0, lasers)
-        rays.append((process_time() - began) / (count * 180) * 1e9)
-    return (
-        f"{statistics.median(speeds[1:]):.3g} x real time",
-        f"{statistics.median(rays):.1f} ns",
-    )
+        times.append(process_time() - began)
+    return statistics.median(times[1:]) / (len(loaded.robots) * 180) * 1e9
+
+
+PEERS = (("navground", "C++, no forces, no blobfinder"), ("irsim", "Python, no blobfinder"))
+
+
+def peers(python: str, count: int, ticks: int) -> list[tuple[str, str, str]]:
+    """Rows of other simulators at the same task, as far as an interpreter has them."""
+    rows = []
+    for name, kind in PEERS:
+        script = str(ROOT / "scripts" / "peers.py")
+        done = subprocess.run(
+            [python, script, name, str(count), str(ticks)],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode == 0:
+            known, _, speed = done.stdout.strip().splitlines()[-1].partition(": ")
+            rows.append((f"the same in {known} ({kind})", "", speed))
+        elif "ModuleNotFoundError" not in done.stderr:
+            raise RuntimeError(done.stderr)
+    return rows
 
 
 LOADING = """\
 import resource, sys
 from time import process_time
 sys.path.insert(0, sys.argv[1])
-from sim.scenery import Scenery
-from sim.build import load
+import troupe
 began = process_time()
-loaded = load(sys.argv[2])
-field = Scenery(loaded, 1)
-for spec, pose in zip(loaded.robots, field.start_poses):
-    field.add_robot(spec.name, spec.model, loaded.world.models[spec.model], pose)
-field.stage.tick(); field.refresh(); field.suite.sense(0, 0.0)
-there = process_time()
-for tick in range(1, 4):
-    field.stage.tick(); field.refresh(); field.suite.sense(tick, 0.1 * tick)
-tick = (process_time() - there) / 3 / len(loaded.robots) * 1e6
+with troupe.Simulation(sys.argv[2], seed=1, controllers=False) as sim:
+    sim.readings("laser"), sim.readings("blobfinder")
+    sim.step()
+    there = process_time()
+    sim.step(3)
+    tick = (process_time() - there) / 3 / len(sim.names) * 1e6
 memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 print(f"{there - began:.0f} s to the first reading, {memory:.1f} GB, "
       f"{tick:.1f} us a robot and tick")
@@ -352,6 +377,10 @@ def main() -> None:
     options = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
     options.add_argument("--write", action="store_true", help="into docs/performance.md")
     options.add_argument("--quick", action="store_true", help="one run of each")
+    options.add_argument(
+        "--peers", default=sys.executable, metavar="PYTHON",
+        help="an interpreter that has other simulators (ir-sim, navground), for rows beside ours",
+    )  # fmt: skip
     args = options.parse_args()
     repeats = 1 if args.quick else 5
     sweep = 20 if args.quick else 1000
@@ -372,6 +401,8 @@ def main() -> None:
             ray = found if count == 1000 else ray
             what = f"{count} robots in process, no controllers, one core"
             rows.append((what, f"{target} x real time", speed))
+            if count <= 1000:
+                rows += peers(args.peers, count, max(1, ticks // 10))
         language, raw = raw_rounds(folder, repeats)
         rows += [
             ("100,000 robots in process", "20 s, 2 GB", loading(folder, 100_000)),

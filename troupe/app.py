@@ -6,10 +6,9 @@ from importlib import import_module
 from typing import Annotated
 
 import typer
-from typer.core import TyperCommand
 
 from troupe import __version__
-from troupe.view_option import ViewCommand
+from troupe.optional_values import Command
 
 COMMANDS = (
     "run",
@@ -32,9 +31,6 @@ COMMANDS = (
 """The commands in the order of `troupe --help`: each is the function, or the group of commands, of
 that name in the module of that name in `troupe/commands`. A new one is a file there and its line
 above. Where Python has a word for itself a `_` stands behind it."""
-
-READ_BY: dict[str, type[TyperCommand]] = {"run": ViewCommand}
-"""Commands whose arguments are read in a way of their own."""
 
 app = typer.Typer(
     help="A 2D physics simulator for teams of mobile robots that speaks Player's protocol.",
@@ -66,7 +62,7 @@ def add(module: str) -> None:
     if isinstance(found, typer.Typer):
         app.add_typer(found, name=name)
     else:
-        app.command(name, cls=READ_BY.get(name))(found)
+        app.command(name, cls=Command)(found)
 
 
 for _module in COMMANDS:

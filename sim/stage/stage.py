@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from sensors.eyes import EYES, eyes
 from sim.stage import commands
 from sim.stage.contacts import Touches
-from sim.stage.distance_field import distance_field
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
 from sim.stage.may_touch import CALM
@@ -44,7 +43,7 @@ class Stage:
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
         self._physics = Physics(layout)
-        self._distance_field = distance_field(layout)
+        self._distance_field = layout.distances
         self._movables = len(layout.movables)
         self._touches = Touches(self._movables)
         self._count = 0

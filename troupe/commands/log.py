@@ -57,7 +57,7 @@ def export(
     path: File,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FILE.parquet|.csv", help="Where it goes."),
+        typer.Option("--out", "--output", "-o", metavar="FILE.parquet|.csv", help="Where it goes."),
     ],
     table: Annotated[
         str, typer.Option(help="poses, commands, scans (of --log-sensors) or events.")
@@ -125,7 +125,11 @@ def recover(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FILE.mcap", help="Default: NAME-recovered.mcap beside it."
+            "--out",
+            "--output",
+            "-o",
+            metavar="FILE.mcap",
+            help="Default: NAME-recovered.mcap beside it.",
         ),
     ] = None,
 ) -> None:

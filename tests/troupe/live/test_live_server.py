@@ -23,7 +23,6 @@ from sim.view.frames import MOMENT, STATUS
 from tests.patience import PATIENCE
 from troupe.app import app
 from troupe.live.entrance import answer, known_host
-from troupe.view_option import told_apart
 
 
 def get(address: str, path: str | None = None, **headers: str) -> http.client.HTTPResponse:
@@ -307,16 +306,3 @@ def test_an_address_that_is_none_is_named(words: list[str]) -> None:
     assert done.exit_code == 2
     assert "must be HOST:PORT" in done.stderr
     assert "where'" in done.stderr
-
-
-def test_an_address_behind_view_is_told_from_a_world() -> None:
-    assert told_apart(["--view", "wander"]) == ["--view", "wander"]
-    assert told_apart(["w", "--view", "0.0.0.0:7000"]) == [
-        "w",
-        "--view",
-        "--view-at",
-        "0.0.0.0:7000",
-    ]
-    assert told_apart(["--view", "7000", "w"]) == ["--view", "--view-at", "7000", "w"]
-    assert told_apart(["--view=[::1]:7", "w"]) == ["--view", "--view-at", "[::1]:7", "w"]
-    assert told_apart(["--view", "--json", "7000"]) == ["--view", "--json", "7000"]
