@@ -13,8 +13,8 @@ Nothing of this is imported, and no port is open, unless somebody asks for a vie
 Of a run, which goes on in an engine:
 
     watch.py        hangs on to the engine, offers moments, obeys what pages ask for
-    run_moments.py  what the run is at (readings.py: what its robots perceive; waits.py: how long the
-                    world waited for them; scene.py: what does not change)
+    run_moments.py  what the run is at (readings.py: what its robots perceive; waits.py: how long
+                    the world waited for them; scene.py: what does not change)
     hands.py        what hands do to it
     saved_world.py  a world file that begins as things stand
 
