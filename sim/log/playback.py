@@ -13,7 +13,8 @@ import numpy as np
 
 from sim.log import contents
 from sim.log.errors import LogError
-from sim.log.reader import DAMAGES, LogReader
+from sim.log.reader import LogReader
+from sim.log.source import DAMAGES
 from sim.log.states import State, States, state_of
 from sim.log.track import Paint, Track
 from sim.log.world import loaded_again, own_sensors

@@ -110,7 +110,7 @@ def check(path: File) -> None:
         where = "where it starts" if verdict.tick == 0 else when
         print(
             printable(
-                f"not equal: first {verdict.robot} at {where}: "
+                f"not equal: first {verdict.who} at {where}: "
                 f"off by {x:.3g} m, {y:.3g} m, {yaw:.3g} rad"
             )
         )
