@@ -53,12 +53,13 @@ def take(browser: Any, world: str, ticks: int, robot: int | None, name: str, **l
         page.goto(address)
         page.wait_for_function("() => window.troupe && troupe.state.count > 0")
         page.evaluate(REACHED, ticks if world.partition("#")[0].endswith(".mcap") else 0)
+        if robot is not None:
+            page.evaluate(CARD, robot)  # now: its waits are timed
         started = page.evaluate("troupe.state.tick")
         for tick in range(started + 4, ticks + 1, 4):  # trails have marks on the way
             page.evaluate("troupe.link.ask({do: 'step', ticks: 4})")
             page.evaluate(REACHED, tick)
-        if robot is not None:
-            page.evaluate(CARD, robot)
+        page.evaluate("new Promise(requestAnimationFrame)")
         page.screenshot(path=PICTURES / name)
         context.close()
     finally:

@@ -2,11 +2,24 @@
 
 Nothing of this is imported, and no port is open, unless somebody asks for a view.
 
-    watch.py      the only file that knows the engine: what it is at, and what hands do to it
     exchange.py   where the run's thread and the server's meet
     asks.py       what a page may ask for, checked
     server.py     the pages' connections, in a thread of their own
     entrance.py   who is let in, and the page's files
     opening.py    the command's side: addresses, the browser, one run after the other
+    window.py     a simulation that is stepped from Python, in the page
     page/         the page: plain files, no build
+
+Of a run, which goes on in an engine:
+
+    watch.py        hangs on to the engine, offers moments, obeys what pages ask for
+    run_moments.py  what the run is at (readings.py: what its robots perceive; waits.py: how long
+                    the world waited for them; scene.py: what does not change)
+    hands.py        what hands do to it
+    saved_world.py  a world file that begins as things stand
+
+Of a log, which is over:
+
+    playing.py      its clock
+    log_moments.py  what the run was at (timeline.py: what happened, and when)
 """

@@ -125,7 +125,9 @@ class RunMoments:
                 "exit_code": record.exit_code,
                 "error": None if record.error is None else record.error[-2000:],
             },
-            "waits": {
+            "waits": None
+            if driver.kind == "none"
+            else {
                 "now": None if since is None else monotonic() - since.since,
                 "ticks": [round(1000 * wait, 2) for wait in waits],
                 "longest": round(1000 * longest, 2),

@@ -161,6 +161,13 @@ def test_the_world_is_saved_as_it_stands(page: Page, still: Path) -> None:
     assert saved.start == pytest.approx(
         np.array(page.get("Array.from(troupe.state.poses)")).reshape(2, 3), abs=1e-4
     )
+    with page.page.expect_download() as waiting:
+        page.page.click("#picture")
+    assert waiting.value.suggested_filename == "troupe-0.0.png"
+    picture = browsing.image(Path(waiting.value.path()).read_bytes())
+    column, row = page.get("[troupe.camera.column(5), troupe.camera.row(4)]")
+    red, _, blue = (int(part) for part in picture[round(row), round(column)])
+    assert blue > red + 60  # the wall
 
 
 def test_which_sensors_show_is_chosen_by_kind(page: Page) -> None:
@@ -240,6 +247,18 @@ def test_a_robot_is_taken_from_its_controller_and_given_back(browser: Any) -> No
         context.close()
     what = [touch.what for touch in run.result().touched]
     assert (what[0], what[-1]) == ("take", "give")
+
+
+def test_the_run_begins_again_with_another_seed(page: Page) -> None:
+    page.page.keyboard.press(".")
+    page.until("(t) => t.state.tick === 1")
+    page.page.fill("#seed", "twelve")
+    page.page.press("#seed", "Enter")
+    assert "whole number" in page.page.inner_text("#state")
+    page.page.fill("#seed", "12")
+    page.page.press("#seed", "Enter")
+    page.until("(t) => t.state.tick === 0 && t.state.status.seed === 12")
+    assert page.get("document.getElementById('seed').value") == "12"
 
 
 def test_when_the_run_is_over_the_page_says_so(browser: Any, still: Path) -> None:

@@ -8,6 +8,7 @@ import { printable } from "./texts.js";
 const degrees = (radians) => `${((radians * 180) / Math.PI).toFixed(1)}°`;
 const metres = (value, digits = 2) => `${value.toFixed(digits)} m`;
 const pose = ([x, y, yaw]) => `${x.toFixed(2)}, ${y.toFixed(2)} m, ${degrees(yaw)}`;
+const LONG = 0.3;   // seconds after which a wait is told while it goes on
 const ROWS = ["model", "pose", "twist", "odometry", "odometry error", "command", "driven", "contacts",
               "controller", "waits", "devices", "properties"];
 
@@ -51,10 +52,8 @@ export class Card {
       const row = body.appendChild(element("tr"));
       row.append(element("th", { textContent: name, scope: "row" }));
       this.rows.set(name, row.appendChild(element("td")));
+      if (name === "waits") body.append(this.#bars());
     }
-    this.waited = element("canvas", { hidden: true });
-    this.waited.setAttribute("role", "img");
-    this.waited.setAttribute("aria-label", "How long the world waited for it in the last 100 ticks");
     this.plots = card.sensors.map((sensor, k) => new Plot(k, sensor));
     const plots = element("div", { className: "plots" });
     plots.append(...this.plots.map(({ figure }) => figure));
@@ -62,7 +61,7 @@ export class Card {
     this.said.setAttribute("aria-label", "What it said");
     this.output = element("pre", { tabIndex: 0 });
     this.output.setAttribute("aria-label", "What its controller printed");
-    const parts = [head, ...more, table, this.waited];
+    const parts = [head, ...more, table];
     const mayHold = !state.scene.read_only && (card.takable || card.taken);
     if (mayHold) parts.push(this.#grip(robot, card.taken));
     if (card.drivable && !state.scene.read_only) {
@@ -75,6 +74,16 @@ export class Card {
                element("h3", { textContent: "Printed" }), this.output);
     this.box.replaceChildren(...parts);
     if (focused) document.getElementById(focused)?.focus();
+  }
+
+  /** A row in which waits are drawn. */
+  #bars() {
+    this.waited = element("canvas");
+    this.waited.setAttribute("role", "img");
+    this.waited.setAttribute("aria-label", "How long the world waited for it in the last 100 ticks");
+    const row = element("tr", { hidden: true });
+    row.appendChild(element("td", { colSpan: 2 })).append(this.waited);
+    return row;
   }
 
   /** Take it from whoever drives it, and give it back. */
@@ -121,17 +130,15 @@ export class Card {
 
   /** How long the world waited for its controller. */
   #waits(told, log, put, color, ink) {
-    this.waited.hidden = !told?.ticks.length;
+    this.waited.closest("tr").hidden = !told;   // with no tick yet it shows too: nothing is to move
     if (!told) {
       put("waits", log ? "a log does not keep them" : null);
       return;
     }
-    const now = told.now === null ? "" : `now ${told.now.toFixed(1)} s, `;
-    if (!told.ticks.length) {
-      put("waits", `${now}timed from the next tick on`);
-      return;
-    }
-    put("waits", `${now}last tick ${told.ticks.at(-1).toFixed(1)} ms, longest ${told.longest.toFixed(1)} ms`);
+    const now = told.now > LONG ? `now ${told.now.toFixed(1)} s, ` : "";
+    put("waits", told.ticks.length
+      ? `${now}last tick ${told.ticks.at(-1).toFixed(1)} ms, longest ${told.longest.toFixed(1)} ms`
+      : `${now}timed from the next tick on`);
     waits(this.waited, told.ticks, color, ink);
   }
 }

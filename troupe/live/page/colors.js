@@ -28,7 +28,7 @@ export function inks(palette, dark) {
 
 export const tint = (palette, robot) => palette.tints[robot % palette.tints.length];
 
-const coats = new Map();
+const coats = new Map(), MOST_COATS = 4096;   // robots may shine in any colour, one after the other
 
 /** The colours of a body: of robot `robot`, or (null) of a thing. */
 export function coat(palette, color, robot, settled) {
@@ -44,6 +44,7 @@ export function coat(palette, color, robot, settled) {
       rim = mix(rim, palette.ground, 0.45);
     }
     const halo = luminance(rim) > 0.45 ? 0x26292e : 0xffffff;
+    if (coats.size >= MOST_COATS) coats.clear();
     found = { fill: css(fill), rim: css(rim), edge: css(edge), halo: css(halo) };
     coats.set(key, found);
   }

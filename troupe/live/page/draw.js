@@ -12,7 +12,7 @@ export class Painter {
     this.canvas = canvas;
     this.context = canvas.getContext("2d", { alpha: false });
     this.ground = new Ground();
-    this.shapes = new Map();
+    this.shapes = new WeakMap();   // those of a scene go with it
   }
 
   shape(told) {

@@ -18,7 +18,8 @@ export class Link {
     socket.onmessage = ({ data }) => this.#message(data);
     socket.onclose = ({ code, reason }) => {
       this.take.closed(reason);
-      if (code === 1008 || this.tries > 4) return;
+      // the run is over, or we have been shown the door: nobody is there any more
+      if (code === 1001 || code === 1008 || this.tries > 4) return;
       this.tries += 1;
       setTimeout(() => this.connect(), 1000 * this.tries);
     };

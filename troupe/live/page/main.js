@@ -79,7 +79,9 @@ page.link = new Link({
     find("title").textContent = printable(scene.title, 80);
     find("seed").value = scene.seed;
     find("again").hidden = !scene.again || scene.read_only;
-    put(find("world"), page.view.readOnly ? "Save poses" : "Save world");
+    const what = page.view.readOnly ? "poses" : "world";
+    put(find("world"), what);
+    find("world").setAttribute("aria-label", `Save ${what}`);
     for (const id of ["go", "step", "slower", "faster", "real", "flat"]) {
       find(id).disabled = scene.read_only || scene.stepped;
     }

@@ -8,15 +8,32 @@ export function drawTexts(context, state, camera, ink, view, reach) {
   const taken = [];
   context.textAlign = "left";
   context.textBaseline = "top";
-  if (view.show.names) names(context, state, camera, ink, view, reach, taken);
-  if (view.show.speech) speech(context, state, camera, ink, reach, taken);
+  const bodies = boxes(state, camera, reach);
+  if (view.show.names) names(context, state, camera, ink, view, reach, taken, bodies);
+  if (view.show.speech) speech(context, state, camera, ink, reach, taken, bodies);
+}
+
+/** The robots' boxes in pixels, as many as have names. */
+function boxes(state, camera, reach) {
+  const found = [];
+  for (let robot = 0; robot < Math.min(state.count, MOST_NAMES); robot++) {
+    const [column, row] = place(state, camera, robot), radius = reach(robot);
+    found.push([column - radius, row - radius, column + radius, row + radius]);
+  }
+  return found;
+}
+
+/** The first of some boxes on which nothing lies, not even a robot; or else a robot alone. */
+function first(choices, taken, bodies) {
+  const open = choices.filter((box) => free(box, taken));
+  return open.find((box) => free(box, bodies)) ?? open[0];
 }
 
 function place(state, camera, robot) {
   return [camera.column(state.poses[3 * robot]), camera.row(state.poses[3 * robot + 1])];
 }
 
-function names(context, state, camera, ink, view, reach, taken) {
+function names(context, state, camera, ink, view, reach, taken, bodies) {
   context.font = "12px system-ui, sans-serif";
   for (let robot = 0; robot < state.count; robot++) {
     if (state.count > MOST_NAMES && !view.selected.has(robot)) continue;
@@ -27,14 +44,15 @@ function names(context, state, camera, ink, view, reach, taken) {
     const width = context.measureText(text).width;
     const choices = [[column - width / 2, row + radius + 2], [column - width / 2, row - radius - 15],
                      [column + radius + 3, row - 6], [column - radius - width - 3, row - 6]];
-    const found = choices.map(([x, y]) => [x, y, x + width, y + 13]).find((b) => free(b, taken));
+    const inside = choices.filter(([, y]) => y >= 0 && y + 13 <= camera.height);
+    const found = first(inside.map(([x, y]) => [x, y, x + width, y + 13]), taken, bodies);
     if (!found) continue;
     taken.push(found);
     halo(context, text, found[0], found[1], ink);
   }
 }
 
-function speech(context, state, camera, ink, reach, taken) {
+function speech(context, state, camera, ink, reach, taken, bodies) {
   const speaking = [...state.said].filter(
     ([robot, { time, text }]) => robot < state.count && text.trim() && time <= state.time && state.time - time < SPEECH);
   speaking.sort((a, b) => b[1].time - a[1].time);
@@ -44,23 +62,20 @@ function speech(context, state, camera, ink, reach, taken) {
     if (column < 0 || row < 0 || column > camera.width || row > camera.height) continue;
     const words = printable(text, state.count > CROWD ? SHORT : LONGEST);
     const width = context.measureText(words).width + 14, height = 20, radius = reach(robot);
-    let found = null;
-    for (let rise = 0; rise < 4 && !found; rise++) {
+    const choices = [];
+    const add = (x, y) => {
+      const left = Math.min(Math.max(x, 3), camera.width - width - 3);
+      if (y > 0 && y + height < camera.height) choices.push([left, y, left + width, y + height]);
+    };
+    for (let rise = 0; rise < 4; rise++) {
       for (const share of [0.5, 0.15, 0.85]) {
-        const x = Math.min(Math.max(column - share * width, 3), camera.width - width - 3);
-        const y = row - radius - 9 - height - rise * (height + 3);
-        const box = [x, y, x + width, y + height];
-        if (y > 0 && free(box, taken)) { found = box; break; }
+        add(column - share * width, row - radius - 9 - height - rise * (height + 3));
       }
     }
-    for (let fall = 0; fall < 3 && !found; fall++) {
-      const x = Math.min(Math.max(column - width / 2, 3), camera.width - width - 3);
-      const y = row + radius + 18 + fall * (height + 3);
-      const box = [x, y, x + width, y + height];
-      if (y + height < camera.height && free(box, taken)) found = box;
-    }
+    for (let fall = 0; fall < 3; fall++) add(column - width / 2, row + radius + 18 + fall * (height + 3));
+    const found = first(choices, taken, bodies);
     if (!found) continue;   // those who spoke last have found their places
-    taken.push([found[0], found[1], found[0] + width, found[1] + height]);
+    taken.push(found);
     balloon(context, words, found, [column, row], { width, height, radius }, tint(ink, robot), ink);
   }
 }
