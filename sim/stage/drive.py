@@ -103,7 +103,10 @@ def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
         wz = min(mover.max_turn_rate, max(-mover.max_turn_rate, wz))
     most = mover.max_turn_acceleration * dt
     mover.wanted_turn += min(most, max(-most, wz - mover.wanted_turn))
-    if mover.kind == CAR and abs(mover.wanted_turn) > abs(mover.wanted_x) * mover.max_curvature:
+    most = abs(mover.wanted_x) * mover.max_curvature
+    if mover.wanted_x * before < 0.0:
+        most *= 1.0 + 1e-12  # at full lock the rounding of the turn keeps no car from reversing
+    if mover.kind == CAR and abs(mover.wanted_turn) > most:
         rolling = min(abs(before), abs(mover.wanted_turn) / mover.max_curvature)
         mover.wanted_x = rolling if before >= 0.0 else -rolling
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from stage_worlds import robot, set_up
 
@@ -137,6 +137,12 @@ def test_a_car_that_would_turn_faster_than_it_may_drives_a_wider_circle() -> Non
 COMMANDS = st.lists(st.tuples(*[st.floats(-4.0, 4.0)] * 3), min_size=1, max_size=5)
 
 
+@example(
+    kind="car",
+    limits=(0.298828125, 5.0, 1.5829169972000536, 254.0),
+    commands=[(-1.0, 0.0, 0.0), (1.0, 0.0, 1.0)],
+    steered=True,
+)
 @settings(max_examples=60, deadline=None)
 @given(
     kind=st.sampled_from(["differential", "omnidirectional", "car"]),
