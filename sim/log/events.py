@@ -109,6 +109,8 @@ class News:
         """Events of what else is new besides the bodies' motion."""
         if engine.scenery.stage.hands:
             events.append(hands_event(engine))
+        if engine.scenery.stage.grips:
+            events.append(grips_event(engine))
         if engine.sensing.flags is not self._flags:
             self._flags = engine.sensing.flags
             events.append(sensed_event(engine))
@@ -236,6 +238,18 @@ def hands_event(engine: Engine) -> Event:
         "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
+
+
+def grips_event(engine: Engine) -> Event:
+    """What robots gripped and let go before they moved in this tick."""
+    grips = engine.scenery.stage.grips
+    values = {
+        "tick": engine.ticks,
+        "things": [thing for thing, _, _ in grips],
+        "robots": [robot for _, robot, _ in grips],
+        "after": [hands for _, _, hands in grips],
+    }
+    return Event(engine.time, "/troupe/grips", "troupe_msgs/Grips", values)
 
 
 def last_event(engine: Engine) -> Event:

@@ -67,10 +67,11 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
         stage.add_robot(entry.model, pose)
     told = by_tick(contents.sent(reader))
     hands = {one["tick"]: one for _, one in reader.messages("/troupe/hands")}
+    grips = {one["tick"]: one for _, one in reader.messages("/troupe/grips")}
     digest = hashlib.sha256()
     tick = 0
     for tick, poses in kept(reader, loaded.world.clock.interval):
-        by_hand(stage, hands.get(tick))
+        by_hand(stage, hands.get(tick), grips.get(tick))
         for row in told.get(tick, ()):
             obey(stage, row)
         stage.tick()
@@ -114,15 +115,29 @@ def at_door(layout: Layout, pose: tuple[float, float, float]) -> NDArray[np.floa
     return doors[same[0]] if len(same) else np.array(pose)
 
 
-def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
-    """Put down and settle robots, in the order in which that was done."""
+def by_hand(stage: Stage, hands: dict[str, Any] | None, grips: dict[str, Any] | None) -> None:
+    """Put down and settle robots, let them grip and let go, in the order in which it was done."""
+    done = 0
+    if grips is not None:
+        rows = zip(grips["things"], grips["robots"], grips["after"], strict=True)
+        for thing, robot, after in rows:
+            put(stage, hands, done, int(after))
+            done = int(after)
+            if robot < 0:
+                stage.let_go(int(thing))
+            else:
+                stage.hold(int(robot), int(thing))
+    put(stage, hands, done, None)
+
+
+def put(stage: Stage, hands: dict[str, Any] | None, first: int, end: int | None) -> None:
+    """Put down and settle robots: what is from `first` to `end` in a tick's list of hands."""
     if hands is None:
         return
-    poses = hands["poses"].reshape(-1, 3)
-    for robot, settled, pose in zip(
-        hands["robots"].tolist(), hands["settled"].tolist(), poses, strict=True
-    ):
-        if settled:
+    robots, settled = hands["robots"][first:end], hands["settled"][first:end]
+    poses = hands["poses"].reshape(-1, 3)[first:end]
+    for robot, stands, pose in zip(robots.tolist(), settled.tolist(), poses, strict=True):
+        if stands:
             stage.settle(robot)
         else:
             stage.put_down(robot, pose_of(pose))

@@ -68,6 +68,12 @@ class Stage:
         """What no wheel did between the latest tick and the one before, in its order: robots put
         down at a pose, and robots that became standing bodies (None)."""
         self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
+        self.grips: list[tuple[int, int, int]] = []
+        """What was gripped and let go between the latest tick and the one before, in its order: a
+        movable obstacle, who holds it now (-1: nobody), and how many `hands` there had been."""
+        self._grips: list[tuple[int, int, int]] = []  # since then
+        self.holders: dict[int, int] = {}
+        """The robot that holds a movable obstacle, by the obstacle's number."""
 
     # --- robots come, stand still, are moved by hand
 
@@ -105,11 +111,29 @@ class Stage:
         self._stalls[robot] = False
         self._changed = True
 
+    def hold(self, robot: int, number: int) -> None:
+        """Let a robot hold a movable obstacle as it lies: it goes where the robot goes.
+
+        Raises ValueError where somebody holds it.
+        """
+        self._record(robot)
+        if number in self.holders or not 0 <= number < self._movables:
+            raise ValueError(f"there is no movable obstacle {number} that nobody holds")
+        self._physics.hold(self._movables + robot, number)
+        self.holders[number] = robot
+        self._grips.append((number, robot, len(self._hands)))
+
+    def let_go(self, number: int) -> None:
+        """Let whoever holds a movable obstacle let it go. Raises KeyError where nobody does."""
+        del self.holders[number]
+        self._physics.let_go(number)
+        self._grips.append((number, -1, len(self._hands)))
+
     def set_pose(self, robot: int, pose: ArrayLike) -> None:
         """Lift a robot and put it down, at rest, at a pose (x, y, yaw); its commands stay.
 
-        The way there does not count as gone. Raises ValueError where the robot would be outside of
-        the world, or in a wall, an obstacle or another robot.
+        What it holds stays where it is. The way there does not count as gone. Raises ValueError
+        where the robot would be outside of the world, or in a wall, an obstacle or another robot.
         """
         if self.set_poses({robot: pose}):
             raise ValueError(f"robot {robot} has no room at {pose_of(pose)}")
@@ -130,13 +154,18 @@ class Stage:
         return [robot for robot in goals if robot not in found]
 
     def put_movable(self, number: int, pose: ArrayLike) -> bool:
-        """Lift a movable obstacle and put it down, at rest; False where there is no room for it."""
+        """Lift a movable obstacle and put it down, at rest; False where there is no room for it.
+
+        Who holds it lets go.
+        """
         if not 0 <= number < self._movables:
             return False
         goal, (bodies, poses) = pose_of(pose), self._moving()
         index = self._count + number  # robots come first there
         if not self._places.fitting({index: goal}, bodies, poses):
             return False
+        if number in self.holders:
+            self.let_go(number)
         self._physics.put(number, goal)
         record = self._movers[number]
         record["x"], record["y"] = goal[0], goal[1]
@@ -157,6 +186,8 @@ class Stage:
     def put_down(self, robot: int, at: tuple[float, float, float]) -> None:
         """Put a robot down, at rest, at a pose where there is known to be room for it."""
         record = self._record(robot)
+        for number in [one for one, holder in self.holders.items() if holder == robot]:
+            self.let_go(number)
         self._hands.append((robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]
@@ -260,8 +291,9 @@ class Stage:
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
         """
-        if self._hands or self.hands:
+        if self._hands or self.hands or self._grips or self.grips:
             self.hands, self._hands = self._hands, []
+            self.grips, self._grips = self._grips, []
         if self._changed:
             self._index()
         count = self._movables + self._count
