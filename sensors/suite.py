@@ -7,6 +7,8 @@ from collections.abc import Callable, Container, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Protocol
+from weakref import WeakSet
 
 import numpy as np
 
@@ -21,6 +23,13 @@ from sensors.settings import SensorSettings
 from sensors.view import Contacts, View, mount_sensors
 
 Wanted = Flags | Callable[[], Flags]
+
+
+class Kept(Protocol):
+    """What shows readings as they are until they are written anew."""
+
+    def keep(self) -> None:
+        """Copy what is still to be shown."""
 
 
 @dataclass
@@ -94,6 +103,8 @@ class Suite:
         self._told: bytes | None = None  # which sensors were wanted last
         self._together: list[tuple[Group, ...]] = []  # groups whose wanted rows are sensed together
         self._new: dict[int, list[tuple[int, int, int, np.uint64]]] = {}  # by id(group)
+        self.given: WeakSet[Kept] = WeakSet()
+        """Who looks at the readings as they are, and keeps them before they are written anew."""
 
     def add_robot(self, entity: int, name: str, settings: Sequence[SensorSettings]) -> int:
         """Add a robot with its sensors, in Player's order, and return the robot's index.
@@ -124,6 +135,8 @@ class Suite:
             wanted: (slots,) flags, or a function that gives them; all unless given. The readings
                 of the others stay what they were.
         """
+        while self.given:
+            self.given.pop().keep()
         if self._new:
             self._admit()
         flags = wanted() if callable(wanted) else wanted

@@ -10,8 +10,9 @@ from player import DeviceAddr, layouts
 from player.codes import Interface
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.jaws import BEAMS, Between, Jaws
-from sim.robot import Drawing, Robot
+from sim.robot import Robot
 from sim.stage.geometry import placed
+from sim.view.figure import Figure
 from sim.worldfile.schema import Gripper as Mount
 
 STATE = layouts.data(Interface.GRIPPER).head
@@ -97,7 +98,7 @@ class Gripper:
         """Have the paddles drawn with their inner sides at y = `left` and `right`."""
         length, thick = self.jaws.length / 2, THICKNESS * self.jaws.width
         self.robot.paddles[self.index] = [
-            Drawing("polygon", placed(corners, self.jaws.pose), COLOR, COLOR)
+            Figure("polygon", placed(corners, self.jaws.pose), COLOR, COLOR)
             for corners in (
                 np.array([(-length, y), (length, y), (length, y + out), (-length, y + out)])
                 for y, out in ((left, thick), (right, -thick))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from sim.robot import Robot
 
 LEVELS = {"info": 20}
+NO_GRIP = -2
+"""In the place of a holder, where nothing was gripped or let go."""
+COLOR = attrgetter("color")
 
 
 class News:
@@ -101,7 +105,7 @@ class News:
         if self._lines:
             lines, self._lines = self._lines, []
             events += [self.line_event(*line) for line in lines]
-        colors = [robot.color for robot in engine.robots]
+        colors = list(map(COLOR, engine.robots))
         if colors != self._colors:
             self.recolored(colors, events)
 
@@ -109,8 +113,6 @@ class News:
         """Events of what else is new besides the bodies' motion."""
         if engine.scenery.stage.hands:
             events.append(hands_event(engine))
-        if engine.scenery.stage.grips:
-            events.append(grips_event(engine))
         if engine.sensing.flags is not self._flags:
             self._flags = engine.sensing.flags
             events.append(sensed_event(engine))
@@ -229,27 +231,17 @@ def stamped(time: float) -> dict[str, Any]:
 
 
 def hands_event(engine: Engine) -> Event:
-    """What was done to robots by hand before they moved in this tick."""
+    """What was done by hand before bodies moved in this tick."""
     hands = engine.scenery.stage.hands
     values = {
         "tick": engine.ticks,
-        "robots": [robot for robot, _ in hands],
-        "settled": [pose is None for _, pose in hands],
-        "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
+        "numbers": [hand.number for hand in hands],
+        "things": [hand.movable for hand in hands],
+        "settled": [hand.pose is None and hand.holder is None for hand in hands],
+        "holders": [NO_GRIP if hand.holder is None else hand.holder for hand in hands],
+        "poses": [value for hand in hands for value in (hand.pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
-
-
-def grips_event(engine: Engine) -> Event:
-    """What robots gripped and let go before they moved in this tick."""
-    grips = engine.scenery.stage.grips
-    values = {
-        "tick": engine.ticks,
-        "things": [thing for thing, _, _ in grips],
-        "robots": [robot for _, robot, _ in grips],
-        "after": [hands for _, _, hands in grips],
-    }
-    return Event(engine.time, "/troupe/grips", "troupe_msgs/Grips", values)
 
 
 def last_event(engine: Engine) -> Event:

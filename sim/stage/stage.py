@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from sensors.eyes import EYES, eyes
 from sim.stage import commands
 from sim.stage.contacts import Touches
-from sim.stage.distance_field import distance_field
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
 from sim.stage.may_touch import CALM
+from sim.stage.memory import read_bodies
 from sim.stage.physics import Physics, pose_of
 from sim.stage.putting import Places
 from sim.stage.records import CAR, COMMAND_FIELDS, COMMANDS, MOVER
-from sim.stage.steps import BEGIN
+from sim.stage.steps import BEGIN, run_steps
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
@@ -28,6 +28,20 @@ BUMPER = EYES["bumper"]
 NOBODY: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 """No robot's way is asked for."""
 NO_WAYS: Floats = np.zeros((0, 1, 3))
+NOTHING: Floats = np.zeros((0, 3))
+"""The poses of no obstacles."""
+
+
+class Hand(NamedTuple):
+    """What no wheel does: something is put down at a pose, a robot becomes a standing body, or a
+    movable obstacle is gripped or let go."""
+
+    number: int
+    """A robot, or a movable obstacle in the layout's order."""
+    pose: tuple[float, float, float] | None
+    movable: bool = False
+    holder: int | None = None
+    """The robot that holds the obstacle from now on, -1: nobody; None: that is as it was."""
 
 
 class Stage:
@@ -44,7 +58,7 @@ class Stage:
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
         self._physics = Physics(layout)
-        self._distance_field = distance_field(layout)
+        self._distance_field = layout.distances
         self._movables = len(layout.movables)
         self._touches = Touches(self._movables)
         self._count = 0
@@ -53,6 +67,9 @@ class Stage:
         self._order = np.arange(room)
         self._poses, self._velocities = np.zeros((room, 3)), np.zeros((room, 3))
         self._distances, self._stalls = np.zeros(room), np.zeros(room, dtype=np.bool_)
+        self._state = np.zeros((room, 6))  # of the movers' bodies: see `memory`
+        self._known = -1  # of how many movers the names are known
+        self._given: tuple[Any, ...] = ()  # what the physics of a tick is given each time
         self._contact_counts = np.zeros(room, dtype=np.int64)
         self._kinds: list[Model] = []  # by robot
         self._touches.unfelt = {
@@ -64,14 +81,9 @@ class Stage:
         self._changed = True
         self.told = 0
         """How many commands there have been, motors switched and robots come included."""
-        self.hands: list[tuple[int, tuple[float, float, float] | None]] = []
-        """What no wheel did between the latest tick and the one before, in its order: robots put
-        down at a pose, and robots that became standing bodies (None)."""
-        self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
-        self.grips: list[tuple[int, int, int]] = []
-        """What was gripped and let go between the latest tick and the one before, in its order: a
-        movable obstacle, who holds it now (-1: nobody), and how many `hands` there had been."""
-        self._grips: list[tuple[int, int, int]] = []  # since then
+        self.hands: list[Hand] = []
+        """What no wheel did between the latest tick and the one before, in its order."""
+        self._hands: list[Hand] = []  # since then
         self.holders: dict[int, int] = {}
         """The robot that holds a movable obstacle, by the obstacle's number."""
 
@@ -104,8 +116,8 @@ class Stage:
         if record["standing"]:
             return
         self._physics.settle(self._movables + robot)
-        record["standing"], record["driven"] = True, False
-        self._hands.append((robot, None))
+        record["standing"], record["driven"], record["leader"] = True, False, 0
+        self._hands.append(Hand(robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
         self._stalls[robot] = False
@@ -121,13 +133,13 @@ class Stage:
             raise ValueError(f"there is no movable obstacle {number} that nobody holds")
         self._physics.hold(self._movables + robot, number)
         self.holders[number] = robot
-        self._grips.append((number, robot, len(self._hands)))
+        self._hands.append(Hand(number, None, movable=True, holder=robot))
 
     def let_go(self, number: int) -> None:
         """Let whoever holds a movable obstacle let it go. Raises KeyError where nobody does."""
         del self.holders[number]
         self._physics.let_go(number)
-        self._grips.append((number, -1, len(self._hands)))
+        self._hands.append(Hand(number, None, movable=True, holder=-1))
 
     def set_pose(self, robot: int, pose: ArrayLike) -> None:
         """Lift a robot and put it down, at rest, at a pose (x, y, yaw); its commands stay.
@@ -164,14 +176,19 @@ class Stage:
         index = self._count + number  # robots come first there
         if not self._places.fitting({index: goal}, bodies, poses):
             return False
+        self.put_movable_down(number, goal)
+        return True
+
+    def put_movable_down(self, number: int, at: tuple[float, float, float]) -> None:
+        """Put a movable obstacle down, at rest, where there is known to be room for it."""
         if number in self.holders:
             self.let_go(number)
-        self._physics.put(number, goal)
+        self._hands.append(Hand(number, at, movable=True))
+        self._physics.put(number, at)
         record = self._movers[number]
-        record["x"], record["y"] = goal[0], goal[1]
+        record["x"], record["y"] = at[0], at[1]
         self._rest(record)
         self._changed = True
-        return True
 
     def command_of(self, robot: int) -> tuple[str, tuple[float, ...]]:
         """What a robot was commanded last.
@@ -188,7 +205,7 @@ class Stage:
         record = self._record(robot)
         for number in [one for one, holder in self.holders.items() if holder == robot]:
             self.let_go(number)
-        self._hands.append((robot, at))
+        self._hands.append(Hand(robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]
         self._rest(record)
@@ -291,38 +308,45 @@ class Stage:
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
         """
-        if self._hands or self.hands or self._grips or self.grips:
+        if self._hands or self.hands:
             self.hands, self._hands = self._hands, []
-            self.grips, self._grips = self._grips, []
         if self._changed:
-            self._index()
-        count = self._movables + self._count
-        movers, order = self._movers[:count], self._order[:count]
-        seen = self._poses, self._velocities, self._distances, self._stalls
+            self._prepare()
+        numbers = self._movables + traced if len(traced) else NOBODY
         place, ways = BEGIN, []
-        while place[0] < self._steps:
-            place, notes = self._physics.run(
-                place, movers, self._movables, order, self._distance_field, self._interval,
-                self._steps, self._movables + traced, seen, self._touches,
-            )  # fmt: skip
+        while True:
+            place, contacts, notes = run_steps(place, numbers, *self._given)
+            if len(contacts):
+                self._touches.add(contacts)
             ways.append(notes)
-            if place[0] < self._steps:
-                self._attach()
+            if place[0] == self._steps:
+                break
+            self._attach()
         self._touches.finish(self._contact_counts)
         return np.concatenate(ways).swapaxes(0, 1).copy() if len(traced) else NO_WAYS
 
     def _attach(self) -> None:
         """Give joints to robots that may meet something, and take them from those far off."""
         movers = self._movers[: self._movables + self._count]
-        driven, led, calm = movers["driven"], movers["control"] >= 0, movers["calm"]
+        driven, led, calm = movers["driven"], movers["leader"] != 0, movers["calm"]
         for number in np.nonzero(driven & ~led & (calm == 0))[0].tolist():
-            self._physics.follow(number, True)
+            movers[number]["leader"] = self._physics.follow(number, True)
         for number in np.nonzero(driven & led & (calm >= CALM))[0].tolist():
-            self._physics.follow(number, False)
-        self._index()
+            movers[number]["leader"] = self._physics.follow(number, False)
 
-    def _index(self) -> None:
-        self._physics.index(self._movers[: self._movables + self._count], self._touches)
+    def _prepare(self) -> None:
+        """After a change: gather what the physics of a tick is given, and look where bodies are."""
+        count, physics, field = self._movables + self._count, self._physics, self._distance_field
+        movers, state = self._movers[:count], self._state[:count]
+        if self._known != count:  # who came is named once
+            self._known = count
+            self._touches.rename(*physics.names())
+        self._given = (
+            physics.machine, state, movers, self._movables, count, self._order[:count],
+            field.cells, field.frame, physics.outlines, physics.sides, self._interval, self._steps,
+            self._poses, self._velocities, self._distances, self._stalls,
+        )  # fmt: skip
+        read_bodies(state, movers, count)
         self._changed = False
 
     def _grow(self, needed: int) -> None:
@@ -336,6 +360,7 @@ class Stage:
         self._movers, self._order = longer(self._movers), longer(self._order)
         self._poses, self._velocities = longer(self._poses), longer(self._velocities)
         self._distances, self._stalls = longer(self._distances), longer(self._stalls)
+        self._state = longer(self._state)
         self._contact_counts = longer(self._contact_counts)
 
     # --- what there is to see
@@ -408,7 +433,7 @@ class Stage:
     @property
     def contact_points(self) -> tuple[NDArray[np.int64], Floats]:
         """Robots (k,) ascending, and points (k, 2) in the world, of the latest tick's contacts."""
-        return self._touches.robots, self._touches.points
+        return self._touches.points
 
     @property
     def stretches(self) -> tuple[NDArray[np.int64], Floats, Floats]:
@@ -429,6 +454,8 @@ class Stage:
     @property
     def movable_poses(self) -> Floats:
         """(m, 3) Poses of the movable obstacles, in the layout's order."""
+        if not self._movables:
+            return NOTHING
         poses = self._physics.poses(self._movables)
         poses[:, 2] = wrapped(poses[:, 2])
         return poses
