@@ -11,7 +11,7 @@ from player.codes import Interface
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.jaws import BEAMS, Between, Jaws
 from sim.robot import Robot
-from sim.stage.geometry import placed
+from sim.stage.geometry import Floats, placed
 from sim.view.figure import Figure
 from sim.worldfile.schema import Gripper as Mount
 
@@ -36,30 +36,28 @@ class Gripper:
         self.robot = robot
         self.mount = mount
         self.index = index
-        self.jaws = Jaws(mount)
         self.addr = DeviceAddr(Interface.GRIPPER, index)
         self.state = OPEN
         self.thing: int | None = None  # the movable obstacle that it has closed on
         layout = context.scenery.stage.layout
-        self.things = [one.body for one in layout.movables]
-        levels = layout.levels.of(robot.model.body)
-        self.reachable = [bool(layout.levels.of(body) & levels) for body in self.things]
+        bodies, levels = [one.body for one in layout.movables], layout.levels
+        self.jaws = Jaws(mount, bodies)
+        own = levels.of(robot.model.body)
+        self.reachable = [bool(levels.of(body) & own) for body in bodies]
         self.show(self.jaws.width / 2, -self.jaws.width / 2)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         beams = 0
-        for one in self.between():
+        surroundings = self.context.scenery.surroundings
+        for one in self.between(surroundings.scene.poses[surroundings.movables]):
             if self.state == OPEN or one.number == self.held:
                 beams |= one.beams
         return ((1, STATE.pack(self.state, beams, 0)),)
 
-    def between(self) -> list[Between]:
-        """What breaks a beam, by its number among the movable obstacles."""
-        stage = self.context.scenery.stage
-        if not self.things:
-            return []
-        found = self.jaws.lying(stage.poses[self.robot.index], self.things, stage.movable_poses)
-        return [one for one in found if self.reachable[one.number]]
+    def between(self, poses: Floats) -> list[Between]:
+        """What breaks a beam of the movable obstacles, which are at poses (m, 3)."""
+        robot = self.context.scenery.stage.poses[self.robot.index]
+        return [one for one in self.jaws.lying(robot, poses) if self.reachable[one.number]]
 
     @property
     def held(self) -> int | None:
@@ -84,7 +82,8 @@ class Gripper:
             return
         self.state = CLOSED
         stage = self.context.scenery.stage
-        free = [one for one in self.between() if one.fits and one.number not in stage.holders]
+        there = self.between(stage.movable_poses)
+        free = [one for one in there if one.fits and one.number not in stage.holders]
         if not free:
             self.show(0.0, 0.0)
             return

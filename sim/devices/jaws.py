@@ -36,29 +36,34 @@ class Between(NamedTuple):
 
 
 class Jaws:
-    """The space between the paddles of a gripper that is mounted on a robot."""
+    """The space between the paddles of a gripper that is mounted on a robot.
 
-    def __init__(self, mount: Gripper) -> None:
+    bodies (m,): those of the schema that may come to lie in it.
+    """
+
+    def __init__(self, mount: Gripper, bodies: Sequence[Any]) -> None:
         x, y, heading = mount.pose
         self.pose: Pose = (x, y, math.radians(heading))
         self.length, self.width = mount.space
+        self.bodies = bodies
+        self.spans = np.array([reach(body) for body in bodies])
+        self.spans += math.hypot(self.length, self.width) / 2
 
-    def lying(self, robot: Floats, bodies: Sequence[Any], poses: Floats) -> Iterator[Between]:
-        """Those of the bodies of the schema at poses (m, 3) that break a beam.
+    def lying(self, robot: Floats, poses: Floats) -> Iterator[Between]:
+        """Those of the bodies, which are at poses (m, 3), that break a beam.
 
         robot (3,): the pose of the gripper's robot. All poses are x, y, yaw in the world.
         """
         middle = placed(np.array([self.pose[:2]]), robot)[0]
         yaw = float(robot[2]) + self.pose[2]
         far = np.hypot(poses[:, 0] - middle[0], poses[:, 1] - middle[1])
-        spans = np.array([reach(body) for body in bodies]) + math.hypot(self.length, self.width)
         cos, sin = math.cos(yaw), math.sin(yaw)
-        for number in np.flatnonzero(far < spans).tolist():
+        for number in np.flatnonzero(far <= self.spans).tolist():
             x, y = float(poses[number, 0] - middle[0]), float(poses[number, 1] - middle[1])
             at = (cos * x + sin * y, cos * y - sin * x, float(poses[number, 2]) - yaw)
             parts = [
                 (placed(part.vertices, at), round_at(part.circle, at))
-                for part in pieces(bodies[number])
+                for part in pieces(self.bodies[number])
             ]
             beams = sum(bit for bit, ahead in BEAMS if self.broken(parts, ahead * self.length))
             if beams:
