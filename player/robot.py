@@ -27,6 +27,7 @@ from player.proxies import (
     DioProxy,
     FiducialProxy,
     Graphics2dProxy,
+    GripperProxy,
     LaserProxy,
     Position2dProxy,
     Proxy,
@@ -145,6 +146,10 @@ class Robot:
     def dio(self) -> DioProxy:
         """Digital outputs: a sprayer, for instance."""
         return self._proxy(DioProxy)
+
+    @cached_property
+    def gripper(self) -> GripperProxy:
+        return self._proxy(GripperProxy)
 
     @cached_property
     def speech(self) -> SpeechProxy:

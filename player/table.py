@@ -205,6 +205,27 @@ TABLE: tuple[Row, ...] = (
     (I.POSITION2D, ACK, 8, "position_pid", EMPTY),
     (I.POSITION2D, REQ, 9, "speed_profile", (("speed", F32), ("acceleration", F32))),
     (I.POSITION2D, ACK, 9, "speed_profile", EMPTY),
+    # gripper
+    (I.GRIPPER, DATA, 1, "state", (("state", U8), ("beams", U32), ("stored", U8))),
+    (I.GRIPPER, CMD, 1, "open", EMPTY),
+    (I.GRIPPER, CMD, 2, "close", EMPTY),
+    (I.GRIPPER, CMD, 3, "stop", EMPTY),
+    (I.GRIPPER, CMD, 4, "store", EMPTY),
+    (I.GRIPPER, CMD, 5, "retrieve", EMPTY),
+    (I.GRIPPER, REQ, 1, "geometry", EMPTY),
+    (
+        I.GRIPPER,
+        ACK,
+        1,
+        "geometry",
+        (
+            ("pose", POSE3D),
+            ("outer_size", BOX3D),
+            ("inner_size", BOX3D),
+            ("beams", U8),
+            ("capacity", U8),
+        ),
+    ),
     # sonar
     (I.SONAR, DATA, 1, "ranges", (("ranges", Array(F32)),)),
     (I.SONAR, DATA, 2, "geometry", (("poses", Array(POSE3D)),)),

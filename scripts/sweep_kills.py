@@ -4,7 +4,8 @@
 
 The same sweep is made twice: once undisturbed, and once with SIGKILL sent to the sweep itself, a
 worker, a fork server or a controller, whichever chance has it, and started again where it was the
-sweep. In the end both tables must be the same to the bit, and no process may be left.
+sweep. No run that was completed may be run again, and in the end both tables must be the same to
+the bit.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
+
+from troupe.sweep.lines import read_line
 
 ROOT = Path(__file__).resolve().parent.parent
 MARK = "TROUPE_SWEEP_KILLS"
@@ -63,6 +66,15 @@ class Trial:
     def done(self) -> int:
         return len(list((self.out / "runs").glob("*/result.json")))
 
+    def completed(self) -> dict[str, tuple[int, int]]:
+        """The files of runs that are completed, and when and where each was written."""
+        found = {}
+        for path in (self.out / "runs").glob("*/result.json"):
+            line = read_line(path.read_bytes())
+            if line is not None and line.outcome == "completed":
+                found[line.name] = (path.stat().st_ino, path.stat().st_mtime_ns)
+        return found
+
 
 def processes(mark: str) -> list[psutil.Process]:
     """The living processes of a trial."""
@@ -92,7 +104,7 @@ def disturbed(trial: Trial, kills: int, seed: int) -> list[str]:
     chance = random.Random(seed)
     killed: list[str] = []
     while True:
-        there = trial.done()
+        there, completed = trial.done(), trial.completed()
         sweep = trial.start()
         at_work = chance.random() < 0.8  # else it may be killed while it gets ready, too
         while at_work and sweep.poll() is None and trial.done() == there:
@@ -105,6 +117,7 @@ def disturbed(trial: Trial, kills: int, seed: int) -> list[str]:
                 if killed[-1] == "sweep":
                     break
         sweep.wait()
+        assert completed.items() <= trial.completed().items(), "what was there was run again"
         if sweep.returncode == 0:
             return killed
         if sweep.returncode > 0:

@@ -7,16 +7,18 @@ the way.
 
 import math
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import model_validator
 
 from sensors.compiled import compiled
 from sensors.grid import Floats, Ints
 from sensors.rays import cast
 from sensors.readings import FIDUCIAL, Fiducials
 from sensors.registry import sensor
-from sensors.settings import Count, Number, SensorSettings, setting
+from sensors.settings import Count, Number, SensorSettings, check_min_range, setting
 from sensors.view import View
 
 Ids = npt.NDArray[np.int32]
@@ -26,10 +28,24 @@ class FiducialSettings(SensorSettings):
     """The defaults are those of Stage."""
 
     range: Number = setting(8.0, gt=0, unit="m", description="how far it sees")
+    min_range: Number = setting(
+        0.0, ge=0, unit="m", description="what is nearer than that it does not see"
+    )
+    id_range: Number | None = setting(
+        None,
+        gt=0,
+        unit="m",
+        description="how far it reads ids: beyond, a mark has the id 0; null: as far as it sees",
+    )
     fov: Number = setting(180.0, gt=0, le=360, unit="deg", description="how wide it sees")
     ids: tuple[Count, ...] = setting(
         (), unit="ids", description="the ids it looks for; empty: all of them"
     )
+
+    @model_validator(mode="after")
+    def _sees_something(self) -> Self:
+        check_min_range(self.min_range, self.range)
+        return self
 
 
 def _empty(settings: FiducialSettings, n: int) -> Fiducials:
@@ -80,11 +96,12 @@ def sense_fiducials(settings: FiducialSettings, view: View, readings: Fiducials)
         seen=view.seen,
     )
     clear = (hits[:, 0] == targets) | (ranges[:, 0] >= distances)
+    clear &= distances >= settings.min_range
     rows, targets, distances = rows[clear], targets[clear], distances[clear]
     if not len(rows):
         return
     order = np.lexsort((targets, distances, rows))
-    rows, targets = rows[order], targets[order]
+    rows, targets, distances = rows[order], targets[order], distances[order]
     counts = np.bincount(rows, minlength=len(readings.counts))
     readings.reserve(int(counts.max()))
     readings.counts[view.rows] = counts[view.rows]
@@ -94,6 +111,8 @@ def sense_fiducials(settings: FiducialSettings, view: View, readings: Fiducials)
     cos, sin = np.cos(origins[:, 2]), np.sin(origins[:, 2])
     dx, dy = (poses - origins)[:, 0], (poses - origins)[:, 1]
     found["id"] = scene.fiducials[targets]
+    if settings.id_range is not None:
+        found["id"][distances > settings.id_range] = 0
     found["x"], found["y"] = cos * dx + sin * dy, cos * dy - sin * dx
     turn = poses[:, 2] - origins[:, 2]
     found["yaw"] = turn - 2.0 * np.pi * np.floor((turn + np.pi) / (2.0 * np.pi))

@@ -70,7 +70,7 @@ class Entry:
             port=self.switchboard.add_port(),
             color=int(self.context.scenery.scene.colors[entity]),
             fiducial=model.fiducial or 0,
-            sprayers=[MountedSprayer(mount) for mount in model.actuators],
+            sprayers=[MountedSprayer(one) for one in model.actuators if one.type == "sprayer"],
         )
         self.context.admit(robot)
         self.spraying.admit(robot)

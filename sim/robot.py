@@ -42,6 +42,13 @@ class Robot:
     color: int  # 0xRRGGBB, of its body
     fiducial: int  # the id that it carries, 0 for none
     sprayers: list[MountedSprayer]
-    drawings: list[Figure] = field(default_factory=list)
+    drawings: list[Figure] = field(default_factory=list)  # all that shows of the two below
+    drawn: list[Figure] = field(default_factory=list)  # by its program
+    paddles: dict[int, list[Figure]] = field(default_factory=dict)  # of its grippers
     property_names: set[str] = field(default_factory=set)  # of all that it was told to be
     raw_properties: dict[str, bytes] = field(default_factory=dict)  # those that are no JSON
+
+    def show_drawings(self) -> None:
+        """Let everybody see what its program has drawn by now, and where its paddles are."""
+        paddles = [one for number in sorted(self.paddles) for one in self.paddles[number]]
+        self.drawings = [*paddles, *self.drawn]

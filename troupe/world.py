@@ -9,6 +9,7 @@ from typing import Any, Self
 import yaml
 
 from sim.build import LoadedWorld, load, load_data
+from sim.worldfile.files import absolute, rebased
 from sim.worldfile.nodes import plain
 from troupe.setting import as_text
 from troupe.worlds import find_world
@@ -54,8 +55,13 @@ class World:
         return f"<World {what!r}: {width:g} x {height:g} m, {len(self.loaded.robots)} robots>"
 
     def data(self) -> dict[str, Any]:
-        """The world as plain mappings, lists and scalars, as it was given."""
-        listed: dict[str, Any] = lists(plain(self.loaded.root))
+        """The world as plain mappings, lists and scalars, as it was given.
+
+        Names of files start at the world's folder; those in files included from elsewhere are
+        absolute.
+        """
+        root = self.loaded.root
+        listed: dict[str, Any] = lists(rebased(plain(root), root, self.loaded.folder))
         return listed
 
     def with_settings(self, settings: Mapping[str, Any] | Sequence[str]) -> World:
@@ -65,8 +71,14 @@ class World:
         )
 
     def to_yaml(self, path: str | Path | None = None) -> str:
-        """The text of a world file, which is also written to `path` if one is given."""
-        text: str = yaml.safe_dump(self.data(), sort_keys=False, default_flow_style=None)
+        """The text of a world file, which is also written to `path` if one is given.
+
+        Names of files in it start at the folder of `path`, or else at the world's own.
+        """
+        data, folder = self.data(), self.loaded.folder.resolve()
+        if path is not None and Path(path).resolve().parent != folder:
+            data = lists(absolute(data, folder))
+        text: str = yaml.safe_dump(data, sort_keys=False, default_flow_style=None)
         if path is not None:
             Path(path).write_text(text, encoding="utf-8")
         return text

@@ -7,6 +7,7 @@ from player.proxies.bumper import BumperProxy
 from player.proxies.dio import DioProxy
 from player.proxies.fiducial import FiducialProxy
 from player.proxies.graphics2d import Graphics2dProxy
+from player.proxies.gripper import GripperGeometry, GripperProxy
 from player.proxies.laser import LaserConfig, LaserProxy
 from player.proxies.position2d import Position2dProxy
 from player.proxies.ranger import RangerConfig, RangerGeometry, RangerProxy
@@ -22,6 +23,8 @@ __all__ = [
     "FiducialProxy",
     "Geometry",
     "Graphics2dProxy",
+    "GripperGeometry",
+    "GripperProxy",
     "LaserConfig",
     "LaserProxy",
     "Position2dProxy",

@@ -36,6 +36,7 @@ ask for an older or a newer interface."""
 
 OTHERS = (
     "dio",
+    "gripper",
     "speech",
     "graphics2d",
     "simulation",

@@ -58,7 +58,7 @@ class FiducialFinder(SensorDevice):
             }
         if name == "get_fov":
             return {
-                "min_range": 0.0,
+                "min_range": getattr(self.group.settings, "min_range", 0.0),
                 "max_range": readings.max_range,
                 "view_angle": readings.fov,
             }

@@ -38,7 +38,8 @@ class Graphics2d:
         self.context.later(self.robot, self.show, "drawings")
 
     def show(self) -> None:
-        self.robot.drawings = list(self.drawings)
+        self.robot.drawn = list(self.drawings)
+        self.robot.show_drawings()
 
     def draw(self, name: str, values: Values) -> None:
         """One more shape, at the cost of the oldest where there are too many."""

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 from player import DeviceAddr
 from player.codes import Interface
 from sim import strictjson
-from sim.devices.device import Action, Context, Refused, Values, flat_pose, sane
+from sim.devices.device import Action, Context, Refused, Values, sane
 from sim.robot import Robot
 
 Pose = tuple[float, float, float]
@@ -91,7 +91,7 @@ class Simulation:
         if name == "get_pose3d":
             return {
                 "name": who,
-                "pose": flat_pose(x, y, yaw),
+                "pose": (x, y, self.height(who), 0.0, 0.0, yaw),
                 "simtime": self.context.time * 1e6,
             }
         raise Refused
@@ -126,6 +126,11 @@ class Simulation:
         asked = context.puts.get(self.robot.index, {}) if self.alone else {}
         x, y, yaw = map(float, asked.get(target.index, stage.poses[target.index]))
         return x, y, yaw
+
+    def height(self, name: str) -> float:
+        """Metres above the floor at which a robot's body, or an obstacle with a name, begins."""
+        thing = self.context.things.get(name)
+        return float(self.target(name).model.body.z if thing is None else thing.z)
 
     def put(self, name: str, pose: Pose) -> None:
         """Have a robot, or an obstacle with a name, put at a pose at the next command phase.

@@ -13,10 +13,14 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Thing:
-    """An obstacle. `pose`: x, y, yaw at the start; `number`: among those that can be pushed."""
+    """An obstacle. `pose`: x, y, yaw at the start; `number`: among those that can be pushed.
+
+    `z`: metres above the floor at which it begins.
+    """
 
     pose: Pose
     number: int | None
+    z: float
 
     def where(self, stage: Stage) -> Pose:
         """Where it is now, x, y, yaw in metres and radians."""
@@ -35,5 +39,5 @@ def named_things(world: World) -> dict[str, Thing]:
         number = pushed if obstacle.movable else None
         pushed += obstacle.movable
         if obstacle.name is not None:
-            things[obstacle.name] = Thing((x, y, radians(heading)), number)
+            things[obstacle.name] = Thing((x, y, radians(heading)), number, obstacle.z)
     return things

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from sim.robot import Robot
 
 LEVELS = {"info": 20}
+NO_GRIP = -2
+"""In the place of a holder, where nothing was gripped or let go."""
 COLOR = attrgetter("color")
 
 
@@ -235,7 +237,8 @@ def hands_event(engine: Engine) -> Event:
         "tick": engine.ticks,
         "numbers": [hand.number for hand in hands],
         "things": [hand.movable for hand in hands],
-        "settled": [hand.pose is None for hand in hands],
+        "settled": [hand.pose is None and hand.holder is None for hand in hands],
+        "holders": [NO_GRIP if hand.holder is None else hand.holder for hand in hands],
         "poses": [value for hand in hands for value in (hand.pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)

@@ -137,13 +137,18 @@ def at_door(layout: Layout, pose: tuple[float, float, float]) -> NDArray[np.floa
 
 
 def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
-    """Put down robots and things and settle robots, in the order in which that was done."""
+    """Put down robots and things, settle robots, grip and let go, in the order of all that."""
     if hands is None:
         return
-    numbers, things, settled = (hands[name].tolist() for name in ("numbers", "things", "settled"))
+    names = ("numbers", "things", "settled", "holders")
+    columns = [hands[name].tolist() for name in names]
     poses = hands["poses"].reshape(-1, 3)
-    for number, thing, settles, pose in zip(numbers, things, settled, poses, strict=True):
-        if thing:
+    for number, thing, settles, holder, pose in zip(*columns, poses, strict=True):
+        if holder >= 0:
+            stage.hold(holder, number)
+        elif holder == -1:
+            stage.let_go(number)
+        elif thing:
             stage.put_movable_down(number, pose_of(pose))
         elif settles:
             stage.settle(number)

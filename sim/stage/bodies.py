@@ -27,18 +27,19 @@ from sim.stage.standing import Solid
 
 GRAVITY = 9.81
 """m/s2; only friction with the floor knows it."""
+ERROR_BIAS = 0.5**50
+"""The share of an overlap, or of joints' error that is left after a second; half goes in 20 ms."""
 
 
 def new_space() -> pymunk.Space:
     """An empty space without gravity, tuned for bodies of about a metre and steps of 20 ms.
 
     collision_slop: Chipmunk lets bodies overlap that far; its default of 0.1 is 10 cm here.
-    collision_bias: the share of an overlap that is left after a second; half goes in 20 ms.
     """
     space = pymunk.Space()
     space.gravity = (0.0, 0.0)
     space.collision_slop = SLOP
-    space.collision_bias = 0.5**50
+    space.collision_bias = ERROR_BIAS
     space.sleep_time_threshold = math.inf
     return space
 
@@ -132,6 +133,23 @@ def follow(
     motor = pymunk.SimpleMotor(leader, body, 0.0)
     motor.max_force = torque
     return [pivot, motor]
+
+
+def grip(holder: pymunk.Body, load: pymunk.Body) -> list[pymunk.Constraint]:
+    """Joints that keep a body where it is in another one's frame, and as it is turned there."""
+    at = holder.world_to_local(load.position)
+    pivot = pymunk.PivotJoint(holder, load, at, (0.0, 0.0))
+    gear = pymunk.GearJoint(holder, load, load.angle - holder.angle, 1.0)
+    for joint in (pivot, gear):
+        joint.error_bias = ERROR_BIAS
+    return [pivot, gear]
+
+
+def pass_through(body: pymunk.Body, group: int) -> None:
+    """Let the shapes of bodies of one group above 0 pass through each other; 0: of none."""
+    for shape in body.shapes:
+        old = shape.filter
+        shape.filter = pymunk.ShapeFilter(group, old.categories, old.mask)
 
 
 def limit_to(shape: pymunk.Shape, levels: int) -> None:

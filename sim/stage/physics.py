@@ -31,6 +31,7 @@ class Physics:
         self._joints: list[list[pymunk.Constraint]] = []
         self._leaders: list[pymunk.Body | None] = []
         self._led: set[int] = set()  # movers that follow their leaders
+        self._grips: dict[int, tuple[int, list[pymunk.Constraint]]] = {}  # by what is held
         self._shapes: dict[Any, int] = {}
         self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
         self._records: dict[tuple[int, int], Any] = {}  # of movers at no place, by body and drive
@@ -119,6 +120,28 @@ class Physics:
         self._joints[number], self._leaders[number] = [], None
         body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
         body.body_type = pymunk.Body.STATIC
+
+    def hold(self, holder: int, load: int) -> None:
+        """Fix a passive mover to another one, as it lies now.
+
+        It slides on the floor no more, and the two do not touch each other.
+        """
+        body, held = self._bodies[holder], self._bodies[load]
+        joints = bodies.grip(body, held)
+        self._space.remove(*self._joints[load])
+        self._space.add(*joints)
+        self._grips[load] = holder, joints
+        for one in (body, held):
+            bodies.pass_through(one, holder + 1)
+
+    def let_go(self, load: int) -> None:
+        """Let go a mover that is held, as it lies now."""
+        holder, joints = self._grips.pop(load)
+        self._space.remove(*joints)
+        self._space.add(*self._joints[load])
+        bodies.pass_through(self._bodies[load], 0)
+        if all(other != holder for other, _ in self._grips.values()):
+            bodies.pass_through(self._bodies[holder], 0)
 
     def put(self, number: int, pose: tuple[float, float, float]) -> None:
         """Move a mover to a pose (x, y, yaw) at once, at rest."""

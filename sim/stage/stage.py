@@ -34,12 +34,15 @@ NOTHING: Floats = np.zeros((0, 3))
 
 
 class Hand(NamedTuple):
-    """Something that was put down at a pose, or a robot that became a standing body (None)."""
+    """What no wheel does: something is put down at a pose, a robot becomes a standing body, or a
+    movable obstacle is gripped or let go."""
 
     number: int
     """A robot, or a movable obstacle in the layout's order."""
     pose: tuple[float, float, float] | None
     movable: bool = False
+    holder: int | None = None
+    """The robot that holds the obstacle from now on, -1: nobody; None: that is as it was."""
 
 
 class Stage:
@@ -82,6 +85,8 @@ class Stage:
         self.hands: list[Hand] = []
         """What no wheel did between the latest tick and the one before, in its order."""
         self._hands: list[Hand] = []  # since then
+        self.holders: dict[int, int] = {}
+        """The robot that holds a movable obstacle, by the obstacle's number."""
 
     # --- robots come, stand still, are moved by hand
 
@@ -119,11 +124,29 @@ class Stage:
         self._stalls[robot] = False
         self._changed = True
 
+    def hold(self, robot: int, number: int) -> None:
+        """Let a robot hold a movable obstacle as it lies: it goes where the robot goes.
+
+        Raises ValueError where somebody holds it.
+        """
+        self._record(robot)
+        if number in self.holders or not 0 <= number < self._movables:
+            raise ValueError(f"there is no movable obstacle {number} that nobody holds")
+        self._physics.hold(self._movables + robot, number)
+        self.holders[number] = robot
+        self._hands.append(Hand(number, None, movable=True, holder=robot))
+
+    def let_go(self, number: int) -> None:
+        """Let whoever holds a movable obstacle let it go. Raises KeyError where nobody does."""
+        del self.holders[number]
+        self._physics.let_go(number)
+        self._hands.append(Hand(number, None, movable=True, holder=-1))
+
     def set_pose(self, robot: int, pose: ArrayLike) -> None:
         """Lift a robot and put it down, at rest, at a pose (x, y, yaw); its commands stay.
 
-        The way there does not count as gone. Raises ValueError where the robot would be outside of
-        the world, or in a wall, an obstacle or another robot.
+        What it holds stays where it is. The way there does not count as gone. Raises ValueError
+        where the robot would be outside of the world, or in a wall, an obstacle or another robot.
         """
         if self.set_poses({robot: pose}):
             raise ValueError(f"robot {robot} has no room at {pose_of(pose)}")
@@ -144,7 +167,10 @@ class Stage:
         return [robot for robot in goals if robot not in found]
 
     def put_movable(self, number: int, pose: ArrayLike) -> bool:
-        """Lift a movable obstacle and put it down, at rest; False where there is no room for it."""
+        """Lift a movable obstacle and put it down, at rest; False where there is no room for it.
+
+        Who holds it lets go.
+        """
         if not 0 <= number < self._movables:
             return False
         goal, (bodies, poses) = pose_of(pose), self._moving()
@@ -156,6 +182,8 @@ class Stage:
 
     def put_movable_down(self, number: int, at: tuple[float, float, float]) -> None:
         """Put a movable obstacle down, at rest, where there is known to be room for it."""
+        if number in self.holders:
+            self.let_go(number)
         self._hands.append(Hand(number, at, movable=True))
         self._physics.put(number, at)
         record = self._movers[number]
@@ -176,6 +204,8 @@ class Stage:
     def put_down(self, robot: int, at: tuple[float, float, float]) -> None:
         """Put a robot down, at rest, at a pose where there is known to be room for it."""
         record = self._record(robot)
+        for number in [one for one, holder in self.holders.items() if holder == robot]:
+            self.let_go(number)
         self._hands.append(Hand(robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]

@@ -31,7 +31,7 @@ def size_mistakes(world: World, size: tuple[float, float]) -> list[Mistake]:
                 )
             )
     cells = ceil(width / world.floor.resolution) * ceil(height / world.floor.resolution)
-    if cells > MOST_CELLS and any(model.actuators for model in world.models.values()):
+    if cells > MOST_CELLS and _paints(world):
         mistakes.append(
             Mistake(
                 ("floor", "resolution"),
@@ -41,6 +41,11 @@ def size_mistakes(world: World, size: tuple[float, float]) -> list[Mistake]:
             )
         )
     return mistakes
+
+
+def _paints(world: World) -> bool:
+    """Whether a robot could have a sprayer."""
+    return any(one.type == "sprayer" for model in world.models.values() for one in model.actuators)
 
 
 def low_corner(

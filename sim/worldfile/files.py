@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -174,6 +174,22 @@ def rebased(data: dict[str, Any], root: Node, folder: Path) -> dict[str, Any]:
             return str(here) if not (folder / value).exists() and here.exists() else value
         home = folder_of(Path(mark.file))
         return value if home == folder else str(home / value)
+
+    return renamed(data, placed)
+
+
+def absolute(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The data with names of files that start at `folder` made absolute."""
+
+    def placed(value: Any, where: nodes.Path) -> Any:
+        relative = isinstance(value, str) and value and not os.path.isabs(value)
+        return str(folder / value) if relative else value
+
+    return renamed(data, placed)
+
+
+def renamed(data: dict[str, Any], placed: Callable[[Any, nodes.Path], Any]) -> dict[str, Any]:
+    """The data with `placed(name, where)` in place of every name of a file."""
 
     def changed(value: Any, where: nodes.Path, key: str) -> Any:
         if not isinstance(value, Mapping) or key not in value:

@@ -72,7 +72,22 @@ class Sprayer(Part):
     offset: Point = Field(default=(0.0, 0.0), description="its centre in the robot's frame, m")
 
 
-Actuator = Sprayer
+class Gripper(Part):
+    """Holds what can be pushed and lies between its paddles when they close; Player's gripper."""
+
+    type: Literal["gripper"] = Field(description="grips what can be pushed; Player's gripper")
+    pose: Pose = Field(
+        default=(0.3, 0.0, 0.0),
+        description="the middle of the space between its paddles, x, y in m, and the heading in "
+        "degrees in which they point, in the robot's frame",
+    )
+    space: Size = Field(
+        default=(0.13, 0.24),
+        description="length of the paddles, and how far they are apart when open, m",
+    )
+
+
+Actuator = Annotated[Sprayer | Gripper, Field(discriminator="type")]
 
 
 class Model(Part):
@@ -105,7 +120,7 @@ class Model(Part):
         default=(), description="order gives Player's index: the first laser is laser:0"
     )
     actuators: tuple[Actuator, ...] = Field(
-        default=(), description="order gives the index of their dio"
+        default=(), description="order gives the index of their dio, or gripper"
     )
 
     @model_validator(mode="after")

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, model_validator
 
-from sim.worldfile.models import Drive, Model, OdometryNoise, Sprayer
+from sim.worldfile.models import Drive, Gripper, Model, OdometryNoise, Sprayer
 from sim.worldfile.options import checked_args
 from sim.worldfile.shapes import Body, Box, Circle, ConvexPolygon, Obstacle, Polygon
 from sim.worldfile.values import (
@@ -39,6 +39,7 @@ __all__ = [
     "Door",
     "Drive",
     "Floor",
+    "Gripper",
     "Log",
     "Map",
     "Model",

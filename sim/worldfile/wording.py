@@ -106,7 +106,7 @@ def place_in(data: Any, loc: Path) -> Path:
         if key == "[key]" and last:
             break
         if isinstance(here, Mapping) and isinstance(key, str):
-            if not last and not tagged and key == here.get("shape"):
+            if not last and not tagged and key in (here.get("shape"), here.get("type")):
                 tagged = True
                 continue
             path.append(key)
@@ -140,10 +140,13 @@ def _mistake(error: ErrorDetails, data: Any) -> Mistake:
             most = context.get("max_length")
             return Mistake(where, "has too many values", shown(value), f"at most {most}")
         case "union_tag_not_found":
-            return Mistake((*where, "shape"), "is missing", None, "box, circle, polygon")
+            key = context["discriminator"].strip("'")
+            allowed = {"shape": "box, circle, polygon", "type": "sprayer, gripper"}[key]
+            return Mistake((*where, key), "is missing", None, allowed)
         case "union_tag_invalid":
             expected = context["expected_tags"].replace("'", "")
-            return _choice((*where, "shape"), context["tag"], expected.split(", "))
+            key = context["discriminator"].strip("'")
+            return _choice((*where, key), context["tag"], expected.split(", "))
         case "literal_error":
             expected = context["expected"].replace(" or ", ", ").replace("'", "")
             return _choice(where, value, expected.split(", "))

@@ -57,6 +57,20 @@ def test_range_and_fov_are_about_the_centre():
     assert len(seen(stage)) == 1
 
 
+def test_what_is_too_near_is_not_seen_and_the_id_of_what_is_far_is_not_read():
+    stage = Stage()
+    stage.robot(0, 0, 0, FINDER | {"range": 8, "min_range": 1, "id_range": 4})
+    for number, (distance, bearing) in enumerate(
+        ((0.9, -1.5), (1.0, -0.7), (4.0, 0.5), (6.0, 1.3))
+    ):
+        stage.box(
+            distance * np.cos(bearing), distance * np.sin(bearing), size=0.1, fiducial=number + 1
+        )
+    found = seen(stage)
+    assert found["id"].tolist() == [2, 3, 0]
+    np.testing.assert_allclose(np.hypot(found["x"], found["y"]), [1.0, 4.0, 6.0])
+
+
 def test_only_the_ids_looked_for_are_seen():
     stage = Stage()
     stage.robot(0, 0, 0, FINDER | {"ids": [2, 5]})

@@ -19,7 +19,7 @@ size: [20, 20]
 obstacles:
   - {shape: box, size: [1, 1], pose: [2, 2, 0]}
   - {shape: circle, radius: 0.2, pose: [6, 6, 0], movable: true, mass: 1}
-  - {shape: box, size: [2, 1], pose: [15, 5, 90], name: shelf}
+  - {shape: box, size: [2, 1], pose: [15, 5, 90], name: shelf, z: 0.25}
   - {shape: circle, radius: 0.2, pose: [10, 12, 45], movable: true, name: puck, mass: 1}
 models:
   rover: {body: {shape: circle, radius: 0.3}, simulation: full}
@@ -56,6 +56,8 @@ def test_every_obstacle_with_a_name_is_found_by_it(run: Serving) -> None:
         assert struct.unpack(">7d", pose3d.payload[-56:]) == pytest.approx(
             (10, 12, 0, 0, 0, math.pi / 4, 0)
         )
+        pose3d = client.request(SIMULATION, 0, 3, text("shelf") + bytes(56))
+        assert struct.unpack(">7d", pose3d.payload[-56:])[2] == 0.25
 
 
 def test_who_may_not_see_robots_poses_may_not_see_things(run: Serving) -> None:

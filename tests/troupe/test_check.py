@@ -13,7 +13,7 @@ import troupe.worlds
 from sensors.registry import SENSORS
 from sim.worldfile import WorldError
 from sim.worldfile.json_schema import json_schema
-from sim.worldfile.models import Sprayer
+from sim.worldfile.models import Gripper, Sprayer
 from troupe.commands.check import check
 from troupe.commands.schema import schema
 from troupe.commands.sensors import sensors
@@ -152,9 +152,10 @@ def test_every_sensor_and_actuator_is_listed_with_every_setting() -> None:
         table = out[out.index(f"sensor {name}:") :]
         for setting in sensor.settings.model_fields:
             assert f"\n  {setting} " in table
-    assert "actuator sprayer:" in out
-    for setting in Sprayer.model_fields:
-        assert setting == "type" or f"\n  {setting} " in out[out.index("actuator sprayer:") :]
+    for actuator in (Sprayer, Gripper):
+        heading = f"actuator {actuator.__name__.lower()}:"
+        for setting in actuator.model_fields:
+            assert setting == "type" or f"\n  {setting} " in out[out.index(heading) :]
 
 
 def test_defaults_are_listed_as_a_world_file_writes_them() -> None:

@@ -32,7 +32,7 @@ models:
       - {type: blobfinder}
       - {type: fiducial}
       - {type: bumper}
-    actuators: [{type: sprayer}]
+    actuators: [{type: sprayer}, {type: gripper}]
   full:
     <<: *model
     simulation: full

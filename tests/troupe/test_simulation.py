@@ -310,6 +310,29 @@ def test_a_world_is_checked_and_written_as_yaml(tmp_path: Path) -> None:
     )
 
 
+def test_a_world_that_is_written_elsewhere_names_the_same_files(tmp_path: Path) -> None:
+    for name in ("parts", "worlds", "kept"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "parts" / "hall.txt").write_text("....\n.#..\n....\n")
+    (tmp_path / "parts" / "mine.py").write_text("")
+    (tmp_path / "parts" / "hall.yaml").write_text(
+        "map: {file: hall.txt, cell: 1}\ncontrollers: {mine: {program: ./mine.py}}\n"
+    )
+    (tmp_path / "worlds" / "own.py").write_text("")
+    (tmp_path / "worlds" / "world.yaml").write_text(
+        "include: ../parts/hall.yaml\ncontrollers: {own: {program: ./own.py}}\n"
+    )
+    world = troupe.load(tmp_path / "worlds" / "world.yaml")
+    changed = world.with_settings({"seed": 5})
+    changed.to_yaml(tmp_path / "kept" / "copy.yaml")
+    for one in (changed, troupe.load(tmp_path / "kept" / "copy.yaml")):
+        assert (one.seed, one.loaded.layout.size) == (5, (4.0, 3.0))
+        programs = {name: controller.program for name, controller in one.controllers.items()}
+        for name, folder in (("mine", "parts"), ("own", "worlds")):
+            found = (one.loaded.folder / programs[name]).resolve()
+            assert found == tmp_path / folder / f"{name}.py"
+
+
 def test_controllers_that_no_robot_has_are_refused() -> None:
     with pytest.raises(ValueError, match="no robot has the controller 'yours'; there are mine"):
         troupe.Simulation(WORLD, controllers={"yours": function()})

@@ -43,7 +43,7 @@ def sensors(
     from rich.console import Console  # noqa: PLC0415
 
     from sensors.registry import describe, load_file  # noqa: PLC0415
-    from sim.worldfile.models import Sprayer  # noqa: PLC0415
+    from sim.worldfile.models import Gripper, Sprayer  # noqa: PLC0415
 
     console = Console(highlight=False, markup=False)
     if files:
@@ -58,18 +58,20 @@ def sensors(
         return
     for entry in describe():
         console.print(_table("sensor", entry["name"], entry["summary"], entry["settings"]))
-    rows = [
-        {
-            "name": name,
-            "unit": "m",
-            "required": info.is_required(),
-            "default": None if info.default is PydanticUndefined else info.default,
-            "description": info.description or "",
-        }
-        for name, info in Sprayer.model_fields.items()
-        if name != "type"
-    ]
-    console.print(_table("actuator", "sprayer", (Sprayer.__doc__ or "").strip(), rows))
+    for actuator in (Sprayer, Gripper):
+        rows = [
+            {
+                "name": name,
+                "unit": "m",
+                "required": info.is_required(),
+                "default": None if info.default is PydanticUndefined else info.default,
+                "description": info.description or "",
+            }
+            for name, info in actuator.model_fields.items()
+            if name != "type"
+        ]
+        title = (actuator.__doc__ or "").strip()
+        console.print(_table("actuator", actuator.__name__.lower(), title, rows))
 
 
 def _table(kind: str, name: str, summary: str, settings: list[dict[str, Any]]) -> Table:

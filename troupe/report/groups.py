@@ -60,10 +60,23 @@ class Group:
         rows = [row for row in self.completed if is_number(row.get(measure.name))]
         return np.array([row[measure.name] for row in rows], dtype=np.float64), rows
 
+    def median_of_all(self, measure: Measure) -> float:
+        """The median where a run that is not complete counts as worse than any that is.
+
+        Not finite where it lies among these, NaN without runs.
+        """
+        worse = np.full(self.failed, -np.inf if measure.higher else np.inf)
+        values = np.concatenate([self.values(measure)[0], worse])
+        return float(np.median(values)) if len(values) else np.nan
+
 
 @dataclass(frozen=True)
 class Pairing:
-    """One level of a parameter against the first one: runs that differ in nothing else."""
+    """One level of a parameter against the first one: runs that differ in nothing else.
+
+    before, after (n,): the measure where both runs are complete; `only_before`, `only_after`: in
+    how many pairs only the one is, or the other.
+    """
 
     factor: str
     base: Any
@@ -71,6 +84,8 @@ class Pairing:
     before: NDArray[np.float64]
     after: NDArray[np.float64]
     difference: Middle
+    only_before: int
+    only_after: int
 
     @property
     def lower(self) -> int:
@@ -176,13 +191,17 @@ def pairings(
             continue
         others = [name for name in names if name != factor]
         values: dict[str, dict[str, float]] = {}
+        ran: dict[str, set[str]] = {}
         for group in groups:
             numbers, rows = group.values(measure)
-            mine = values.setdefault(json.dumps(group.levels[factor]), {})
+            level = json.dumps(group.levels[factor])
+            mine, every = values.setdefault(level, {}), ran.setdefault(level, set())
             rest = json.dumps([group.levels[name] for name in others])
+            every |= {f"{rest} {row['seed']}" for row in group.rows}
             for number, row in zip(numbers, rows, strict=True):
                 mine[f"{rest} {row['seed']}"] = float(number)
-        base = values.get(json.dumps(levels[0]), {})
+        first = json.dumps(levels[0])
+        base, base_ran = values.get(first, {}), ran.get(first, set())
         for other in levels[1:]:
             there = values.get(json.dumps(other), {})
             both = [key for key in base if key in there]
@@ -191,7 +210,13 @@ def pairings(
             before = np.array([base[key] for key in both])
             after = np.array([there[key] for key in both])
             name = f"{measure.name} {factor} {json.dumps([levels[0], other])}"
-            done.append(
-                Pairing(factor, levels[0], other, before, after, middle(after - before, name))
-            )
+            difference = middle(after - before, name)
+            alone = [
+                len((one.keys() - two.keys()) & ran_too)
+                for one, two, ran_too in (
+                    (base, there, ran.get(json.dumps(other), set())),
+                    (there, base, base_ran),
+                )
+            ]
+            done.append(Pairing(factor, levels[0], other, before, after, difference, *alone))
     return done

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from player.printable import printable
 from troupe.report import plots
 from troupe.report.groups import (
@@ -94,6 +96,7 @@ def measure_part(
                 "completed": len(group.completed),
                 "failed": group.failed,
                 "measured": summary.number,
+                "of_all": shown_median(group.median_of_all(measure)),
                 "median": f"{summary.median:.6g}" if summary.number else "",
                 "low": f"{summary.low:.6g}" if summary.number else "",
                 "high": f"{summary.high:.6g}" if summary.number else "",
@@ -129,6 +132,11 @@ def measure_part(
     }
 
 
+def shown_median(value: float) -> str:
+    """A median of all runs: none where it lies among those that are not complete."""
+    return f"{value:.6g}" if np.isfinite(value) else "none"
+
+
 def pair_part(pairing: Any, measure: Measure, names: Sequence[str]) -> dict[str, Any]:
     """Two levels compared seed by seed."""
     difference = pairing.difference
@@ -140,6 +148,8 @@ def pair_part(pairing: Any, measure: Measure, names: Sequence[str]) -> dict[str,
         "median": f"{difference.median:+.6g}",
         "low": f"{difference.low:+.6g}",
         "high": f"{difference.high:+.6g}",
+        "only_base": pairing.only_before,
+        "only_other": pairing.only_after,
         "lower": pairing.lower,
         "higher": pairing.higher,
         "name": f"{measure.name} {pairing.factor} {shown(pairing.base)} {shown(pairing.other)}",

@@ -52,6 +52,21 @@ def test_the_interval_covers_the_true_median_about_as_often_as_it_says() -> None
     assert hits >= 257
 
 
+def test_a_version_that_gives_up_on_what_is_hard_does_not_look_better() -> None:
+    easy, hard = [(seed, 10.0 + seed) for seed in range(4)], [(seed, 50.0) for seed in range(4, 10)]
+    rows = [row(seed, 1, time + 1.0) for seed, time in (*easy, *hard)]
+    rows += [row(seed, 2, time) for seed, time in easy] + [row(seed, 2, None) for seed, _ in hard]
+    rows += [row(10, 1, None), row(10, 2, 99.0)]
+    found = factors(rows)
+    patient, hasty = grouped(rows, found)
+    assert np.median(patient.values(TIME)[0]) > np.median(hasty.values(TIME)[0])
+    assert patient.median_of_all(TIME) == 51.0
+    assert hasty.median_of_all(TIME) == np.inf
+    assert hasty.median_of_all(Measure("sim_time", higher=True)) == -np.inf
+    (pair,) = pairings([patient, hasty], TIME, found)
+    assert (len(pair.before), pair.only_before, pair.only_after) == (4, 6, 1)
+
+
 def test_groups_have_what_completed_and_what_failed() -> None:
     groups = grouped(ROWS, factors(ROWS))
     assert [(g.label, len(g.rows), g.failed) for g in groups] == [

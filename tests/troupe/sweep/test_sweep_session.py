@@ -74,12 +74,25 @@ def test_many_runs_are_kept_in_batches(tmp_path: Path, monkeypatch: pytest.Monke
     assert tables[0] == tables[1]
 
 
-def test_two_sweeps_into_one_folder_leave_each_other_alone(tmp_path: Path) -> None:
-    world = quiet_world(tmp_path)
-    sweep(plan_of(world, "0:3"), tmp_path / "out", QUIETLY)
-    more = sweep(plan_of(world, "2:5"), tmp_path / "out", QUIETLY)
-    assert (more.known.total(), more.ran.total()) == (1, 2)
-    assert [row["seed"] for row in gather([tmp_path / "out"]).results] == [0, 1, 2, 3, 4]
+@pytest.mark.parametrize("many", [100, 3], ids=["files", "batches"])
+def test_two_sweeps_at_once_into_one_folder_leave_each_other_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, many: int
+) -> None:
+    monkeypatch.setattr(sessions, "MANY", many)
+    world, out, alone = quiet_world(tmp_path), tmp_path / "out", How(jobs=1, quiet=True)
+    others: list[sessions.Session] = []
+
+    def meanwhile() -> bool:
+        """Asked while the first goes on: the second begins and ends in the middle of it."""
+        if not others and records([out]):
+            others.append(sweep(plan_of(world, "2:6"), out, alone))
+        return False
+
+    first = sweep(plan_of(world, "0:5"), out, alone, meanwhile)
+    (other,) = others
+    assert (first.missing, other.missing) == (0, 0)
+    assert set(first.ran) | set(other.ran) == {"completed"}
+    assert [row["seed"] for row in gather([out]).results] == [0, 1, 2, 3, 4, 5]
 
 
 def test_a_controller_that_fails_is_a_row_with_its_reason(tmp_path: Path) -> None:

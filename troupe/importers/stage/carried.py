@@ -32,7 +32,6 @@ def movable_of(thing: Thing, folder: str, notes: Notes) -> list[tuple[dict[str, 
     shapes = carried(thing, folder, notes)
     if not shapes:
         return []
-    notes.differs(entity.place, "gripper_return: robots can push it; nobody grips it")
     mass = values.numbers(entity, "mass")
     data: dict[str, Any] = {
         **name_of(thing),

@@ -17,7 +17,7 @@ from troupe.importers.stage.leftover import note_leftovers, own_controller
 from troupe.importers.stage.names import name_obstacles, robot_names
 from troupe.importers.stage.notes import Note, Notes
 from troupe.importers.stage.ports import check_addresses, in_order_of_ports, ports_of
-from troupe.importers.stage.robots import Robot, robot_of
+from troupe.importers.stage.robots import Robot, robot_of, said_of
 from troupe.importers.stage.sensing import SENSORS
 from troupe.importers.stage.surroundings import Standing, Surroundings, standing, surroundings_of
 from troupe.importers.stage.syntax import Entity, read_file
@@ -112,12 +112,13 @@ def _walked(thing: Thing) -> list[Thing]:
 def _note_lone(thing: Thing, notes: Notes) -> None:
     """A thing that is neither robot nor surroundings."""
     entity = thing.entity
+    told = said_of(entity)
     entity.used |= set(entity.properties)
     what = f"{entity.word} {thing.name}"
-    if entity.type in SENSORS:
-        notes.lost(entity.place, f"{what}: a sensor needs a robot to sit on")
+    if entity.type in (*SENSORS, "gripper"):
+        notes.lost(entity.place, f"{what}: a sensor or gripper needs a robot to sit on")
     else:
-        notes.lost(entity.place, f"{what}: there is no {entity.type} here")
+        notes.lost(entity.place, f"{what}: there is no {entity.type} here{told}")
 
 
 def _heading(source: _Source, cfg: str | None) -> str:
@@ -226,8 +227,9 @@ def _models(
         model |= {key: Line(value) for key, value in robot.rest.items()}
         if table is not None and table.simulation and robot.drive is not None:
             model["simulation"] = Line("full", "as Stage's simulation:0")
-        if robot.sensors:
-            model["sensors"] = [Line(s.data, source.short(s.place)) for s in robot.sensors]
+        for key, parts in (("sensors", robot.sensors), ("actuators", robot.grippers)):
+            if parts:
+                model[key] = [Line(one.data, source.short(one.place)) for one in parts]
         models[name] = model
     return models, model_of
 

@@ -22,6 +22,7 @@ CHILDREN = {
     "blobfinder": ("blobfinder",),
     "fiducial": ("fiducial", "fiducialfinder"),
     "bumper": ("bumper",),
+    "gripper": ("gripper",),
 }
 """The types of Stage's models that an interface takes, the first unused one of a robot."""
 

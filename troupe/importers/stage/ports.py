@@ -78,6 +78,7 @@ def served_at(robots: Sequence[Robot], ports: Ports) -> dict[Address, tuple[str,
                 twins.append(("sonar", part))
         if "fiducial" in robot.rest and not any(kind == "fiducial" for kind, _ in devices):
             devices.append(("fiducial", None))
+        twins += [("gripper", one.thing.name) for one in robot.grippers]
         twins += [("speech", None), ("graphics2d", None)]
         if not counts["simulation"]:  # one at a port
             twins.append(("simulation", None))

@@ -10,6 +10,7 @@ from typing import Any
 from troupe.importers.stage import values
 from troupe.importers.stage.carried import carried, fiducial_of, posed, rise_of
 from troupe.importers.stage.footprint import body_of, height_of
+from troupe.importers.stage.grippers import grippers_of
 from troupe.importers.stage.notes import Notes
 from troupe.importers.stage.returns import Returns
 from troupe.importers.stage.sensing import SENSORS, Sensor, sensors_of
@@ -39,12 +40,14 @@ class Robot:
     drive: dict[str, Any] | None
     rest: dict[str, Any]
     sensors: tuple[Sensor, ...]
+    grippers: tuple[Sensor, ...]
     place: Place
 
     @property
     def key(self) -> str:
         """Equal for robots that can share a model: those whose models are written alike."""
-        return flow((self.stem, self.body, self.drive, self.rest, [s.data for s in self.sensors]))
+        parts = [one.data for one in (*self.sensors, *self.grippers)]
+        return flow((self.stem, self.body, self.drive, self.rest, parts))
 
 
 def robot_of(
@@ -54,12 +57,14 @@ def robot_of(
     entity = thing.entity
     rest: dict[str, Any] = {**_localization(entity, units, notes), **fiducial_of(thing)}
     for child in thing.children:
-        if child.entity.type not in SENSORS:
+        if child.entity.type not in (*SENSORS, "gripper"):
             _note_part(child, notes)
     stem = next(iter(entity.macros), "robot")
     sensors = tuple(sensors_of(thing, units, scanners, notes))
     body = robot_body(thing, folder, notes)
-    return Robot(thing, stem, body, _drive(entity, units, notes), rest, sensors, entity.place)
+    grippers = tuple(grippers_of(thing, notes))
+    drive = _drive(entity, units, notes)
+    return Robot(thing, stem, body, drive, rest, sensors, grippers, entity.place)
 
 
 def robot_body(thing: Thing, folder: str, notes: Notes) -> dict[str, Any]:
@@ -161,11 +166,20 @@ def _note_part(part: Thing, notes: Notes) -> None:
     entity = part.entity
     if entity.type == "model":
         return
+    told = said_of(entity)
     for below in part.all():
         below.entity.used |= set(below.entity.properties)
+        if below is not part and below.entity.type not in (*SENSORS, "gripper"):
+            notes.lost(below.entity.place, f"{below.entity.type} upon a {entity.type}")
     if entity.type == "position":
-        notes.lost(entity.place, "a robot upon a robot")
+        notes.lost(entity.place, f"a robot upon a robot{told}")
     elif entity.type in LIGHTS:
-        notes.looks(entity.place, f"{entity.type}: a light that nobody sees")
+        notes.looks(entity.place, f"{entity.type}: a light that nobody sees{told}")
     else:
-        notes.lost(entity.place, f"{entity.type}: there is no such device here")
+        notes.lost(entity.place, f"{entity.type}: there is no such device here{told}")
+
+
+def said_of(entity: Entity) -> str:
+    """What is said of something that is not carried over, in brackets."""
+    keys = [key for key in entity.properties if key not in ("name", "pose")]
+    return f" ({', '.join(keys)})" if keys else ""

@@ -219,14 +219,10 @@ def _fiducial(thing: Thing, mount: Pose, units: Units, notes: Notes) -> Sensor:
     entity = thing.entity
     reach = values.number(entity, "range_max", 8.0 / units.length) * units.length
     near = values.number(entity, "range_max_id", 5.0 / units.length) * units.length
-    if near < reach:
-        notes.differs(
-            entity.place,
-            "a fiducial finder reads ids as far as it sees (in Stage as far as range_max_id; "
-            "beyond it the id is 0)",
-        )
-    if values.number(entity, "range_min", 0.0) > 0.0:
-        notes.lost(entity.properties["range_min"].place, "range_min: the finder sees near ones too")
+    least = values.number(entity, "range_min", 0.0) * units.length
+    ids: dict[str, Any] = {"id_range": near} if 0.0 < near < reach else {}
+    if near <= 0.0:
+        notes.differs(entity.place, "range_max_id 0: ids are read as far as the finder sees here")
     fov = min(values.number(entity, "fov", 180.0 / units.angle) * units.angle, 360.0)
     height = {"z": thing.pose.z + thing.origin.z}
     if values.number(entity, "ignore_zloc", 0):
@@ -240,6 +236,8 @@ def _fiducial(thing: Thing, mount: Pose, units: Units, notes: Notes) -> Sensor:
         **_placed(mount),
         **height,
         "range": range_of(entity.place, reach, notes),
+        **({"min_range": least} if 0.0 < least < reach else {}),
+        **ids,
         "fov": fov if fov > 0.0 else RAY_FOV,
     }
     return Sensor(data, thing, entity.place)

@@ -29,9 +29,13 @@ NO_BODY = frozenset(
 )
 """Types of models without a body: nobody sees them or bumps into them."""
 
-SENSOR_SIZE = (0.15, 0.15, 0.2)
 MODEL_SIZE = (0.4, 0.4, 1.0)
-"""Metres; Stage's defaults for rangers, and for anything else."""
+SIZES = {
+    "ranger": (0.15, 0.15, 0.2),
+    "laser": (0.15, 0.15, 0.2),
+    "gripper": (0.2, 0.3, 0.2),
+}
+"""Metres; Stage's defaults: by type, and for anything else MODEL_SIZE."""
 
 
 @dataclass
@@ -74,8 +78,7 @@ def _made(entity: Entity, parent: Thing | None, units: Units, notes: Notes) -> l
     for child in entity.children:
         if child.type in PARTS:
             continue
-        default = SENSOR_SIZE if child.type in ("ranger", "laser") else MODEL_SIZE
-        size = values.size(child, units, default)
+        size = values.size(child, units, SIZES.get(child.type, MODEL_SIZE))
         own = values.pose(child, "pose", units, notes)
         pose, prefix = own, ""
         if parent is not None:

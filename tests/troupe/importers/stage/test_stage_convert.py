@@ -176,7 +176,7 @@ def test_comments_say_from_which_line_a_thing_comes(world) -> None:
 
 
 LEFT_OUT = {
-    "gripper ( )": "gripper",
+    "gripper ( autosnatch 1 )": "autosnatch",
     "camera ( )": "camera",
     "actuator ( )": "actuator",
     'ctrl "lasernoise 3"': "controllers: {lasernoise: {program: ./lasernoise.py}}",

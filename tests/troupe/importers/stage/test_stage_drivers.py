@@ -122,10 +122,12 @@ def test_addresses_are_read_in_all_their_forms(files, address: str) -> None:
 
 def test_other_drivers_and_interfaces_are_listed(files) -> None:
     cfg = (
-        driver("a", "position2d:0", "gripper:0") + 'driver ( name "amcl" provides ["localize:0"] )'
+        driver("a", "position2d:0", "gripper:0", "ptz:0")
+        + 'driver ( name "amcl" provides ["localize:0"] )'
     )
     lost = [str(note) for note in convert(*files(cfg)).notes if note.kind == "lost"]
-    assert any("w.cfg:1: gripper: the interface is not served" in line for line in lost)
+    assert any("w.cfg:1: ptz: the interface is not served" in line for line in lost)
+    assert any("w.cfg:1: gripper: the model has none left" in line for line in lost)
     assert any("w.cfg:2: driver amcl" in line for line in lost)
 
 
