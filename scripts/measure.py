@@ -14,6 +14,8 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -89,20 +91,21 @@ def team(folder: Path, count: int, duration: float, repeats: int) -> str:
     return f"{median_speed(repeats, str(path)):.3g} x real time"
 
 
-def watched(folder: Path, repeats: int) -> str:
-    """The price of a page that watches: pairs of runs, without it and with it."""
-    path = str(world(folder, "reader", 300, size=(16, 21), count=4))
+def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str:
+    """The price of pages that watch: pairs of runs, without them and with them."""
+    duration = 600 if count == 4 else 6000 / count
+    path = str(world(folder, "reader", duration, size=hall(count), count=count))
     prices = []
     for _ in range(max(3, repeats)):
         alone = float(str(run_command(path)[0]["speed"]))
-        prices.append(100 * (1 - watched_speed(path) / alone))
+        prices.append(100 * (1 - watched_speed(path, viewers) / alone))
     return f"{statistics.median(prices):.1f} % of the speed"
 
 
-def watched_speed(path: str) -> float:
-    """The speed of a run while somebody draws every moment that comes."""
+def watched_speed(path: str, viewers: int) -> float:
+    """The speed of a run while so many draw every moment that comes."""
     run = subprocess.Popen(
-        [sys.executable, "-m", "troupe", "run", path, "--json", "--view", "--no-open"],
+        [sys.executable, "-m", "troupe", "run", path, "--json", "--quiet", "--view", "--no-open"],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -110,13 +113,19 @@ def watched_speed(path: str) -> float:
     )
     assert run.stderr is not None
     address = next(m[1] for line in run.stderr if (m := re.search(r"http(://\S+)", line)))
-    with (
-        contextlib.suppress(ConnectionClosed),
-        connect(f"ws{address}socket", max_size=None) as page,
-    ):
-        while True:
-            page.recv()
-            page.send('{"do": "seen"}')
+
+    def watch() -> None:
+        with (
+            contextlib.suppress(ConnectionClosed, OSError),
+            connect(f"ws{address}socket", max_size=None) as page,
+        ):
+            while True:
+                page.recv()
+                page.send('{"do": "seen"}')
+
+    watching = [threading.Thread(target=watch, daemon=True) for _ in range(viewers)]
+    for one in watching:
+        one.start()
     return float(json.loads(run.communicate()[0])["speed"])
 
 
@@ -215,16 +224,18 @@ def log_reading(folder: Path) -> str:
     began = perf_counter()
     log = troupe.Log(path)
     opened = perf_counter() - began
+    looks: dict[str, Callable[[Any], Any]] = {
+        "poses": lambda part: part.poses,
+        "a scan": lambda part: part.scans("rover5"),
+    }
     moments = np.random.default_rng(1).uniform(0.0, log.times[-1], 30).tolist()
-    seeks: dict[str, list[float]] = {"poses": [], "a scan": []}
+    seeks: dict[str, list[float]] = {what: [] for what in looks}
     for moment in moments:
         part = log[moment : moment + 0.1]
-        began = perf_counter()
-        _ = part.poses
-        there = perf_counter()
-        part.scans("rover5")
-        seeks["a scan"].append(perf_counter() - there)
-        seeks["poses"].append(there - began)
+        for what, look in looks.items():
+            began = perf_counter()
+            look(part)
+            seeks[what].append(perf_counter() - began)
     told = ", ".join(
         f"{what} of a moment {1e3 * statistics.median(times):.0f} ms (worst {1e3 * max(times):.0f})"
         for what, times in seeks.items()
@@ -439,6 +450,8 @@ def main() -> None:
             ("`troupe run` to its first tick, caches warm", "0.4 s", first_tick(repeats)),
             ("what a page that watches the four robots costs",
              "under 3 %", watched(folder, repeats)),
+            ("what five such pages cost", "under 3 %", watched(folder, repeats, viewers=5)),
+            ("what a page costs 100 robots", "under 3 %", watched(folder, repeats, 100)),
             (f"{sweep} random placements of Paint in a sweep with two jobs: the runs' own times "
              "over two, as a share of the sweep's", "90 %", placements(folder, sweep)),
             ("a log's share of a tick, 4 robots, sensed, no controllers", "5 % in all, 150 bytes",

@@ -52,7 +52,16 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     user's cache folder; where neither can be written it is compiled anew in each process. No
     kernel uses `fastmath` or threads: a result never depends on the number of cores.
     """
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    return _compiled(function)
+
+
+def inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """The same for a small function that kernels call: it becomes part of each of its callers."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable[P, R], **more: Any) -> Callable[P, R]:
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
     try:
         return cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
     except RuntimeError:  # numba: "no locator available": nowhere to write a cache

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from sensors.compiled import compiled
-from sensors.grid import HOLLOW, Floats, Ints, locate, ring_cells
+from sensors.grid import HOLLOW, Floats, Ints, locate, most_spans, ring_spans
 from sensors.picture import ON, SLACK, stands_on
 from sensors.sight import Seen
 from sensors.solids import OUTSIDE, side_of, stands_within
@@ -129,7 +129,7 @@ def cast_cones(
     bodies, walls, solids = seen
     bounds, shapes, vertices, body_frame, body_start, body_items = bodies
     segments, owners, sheets, wall_frame, wall_start, wall_items = walls
-    cells = np.empty(max(body_start.shape[0], wall_start.shape[0]), np.int64)
+    spans = np.empty((max(most_spans(body_frame), most_spans(wall_frame)), 2), np.int64)
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     for j in range(origins.shape[0]):
         ox, oy = origins[j, 0], origins[j, 1]
@@ -143,8 +143,8 @@ def cast_cones(
         for ring in range(first, last + 1):
             if ring > 0 and (ring - 1) * wall_frame[2] + inset > best:
                 break
-            for n in range(ring_cells(wall_frame, column, row, ring, cells)):
-                for k in range(wall_start[cells[n]], wall_start[cells[n] + 1]):
+            for n in range(ring_spans(wall_frame, wall_start, column, row, ring, spans)):
+                for k in range(spans[n, 0], spans[n, 1]):
                     wall = wall_items[k]
                     if owners[wall] == own[j]:
                         continue
@@ -158,14 +158,15 @@ def cast_cones(
         column, row, first, last, inset = locate(body_frame, ox, oy)
         for ring in range(first - 1, last + 1):
             if ring == first - 1:  # the cell behind the last: the bodies larger than a cell
-                cells[0] = int(body_frame[3]) * int(body_frame[4])
+                behind = int(body_frame[3]) * int(body_frame[4])
+                spans[0, 0], spans[0, 1] = body_start[behind], body_start[behind + 1]
                 count = 1
             else:
                 if ring > 0 and (ring - 1) * body_frame[2] + inset - body_frame[5] > best:
                     break
-                count = ring_cells(body_frame, column, row, ring, cells)
+                count = ring_spans(body_frame, body_start, column, row, ring, spans)
             for n in range(count):
-                for k in range(body_start[cells[n]], body_start[cells[n] + 1]):
+                for k in range(spans[n, 0], spans[n, 1]):
                     s = body_items[k]
                     if shapes[s, 0] == own[j]:
                         continue

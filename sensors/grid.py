@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sensors.compiled import compiled
+from sensors.compiled import compiled, inlined
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -118,7 +118,7 @@ def place_bodies(
     return -1
 
 
-@compiled
+@inlined
 def touches(x: float, y: float, half: float, wall: Floats) -> bool:
     """Whether a wall (ax, ay, ex, ey) touches the square about (x, y), rounding included."""
     ax, ay, ex, ey = wall[0] - x, wall[1] - y, wall[2], wall[3]
@@ -171,7 +171,7 @@ def sort_walls(walls: Floats, frame: Floats, start: Ints, items: Ints) -> int:
     return total
 
 
-@compiled
+@inlined
 def locate(frame: Floats, x: float, y: float) -> tuple[int, int, int, int, float]:
     """Where a point lies in a grid.
 
@@ -189,23 +189,33 @@ def locate(frame: Floats, x: float, y: float) -> tuple[int, int, int, int, float
     return column, row, first, last if columns > 0 else -1, inset
 
 
-@compiled
-def ring_cells(frame: Floats, column: int, row: int, ring: int, cells: Ints) -> int:
-    """Write the cells of a ring about (column, row) that are in the grid; return how many."""
+@inlined
+def most_spans(frame: Floats) -> int:
+    """The spans that a ring has at the most: see `ring_spans`."""
+    return 2 * int(frame[4]) + 2
+
+
+@inlined
+def ring_spans(frame: Floats, start: Ints, column: int, row: int, ring: int, spans: Ints) -> int:
+    """Write which items lie in the cells of a ring about (column, row); return how many spans.
+
+    spans (k, 2): from the first of some items to behind their last. Cells of a row that lie side by
+    side make one span, as their items do; those without items make none.
+    """
     columns, rows = int(frame[3]), int(frame[4])
+    left, right = column - ring, column + ring
     count = 0
     for r in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
-        if r in (row - ring, row + ring):
-            for c in range(max(column - ring, 0), min(column + ring, columns - 1) + 1):
-                cells[count] = r * columns + c
-                count += 1
-        else:
-            if 0 <= column - ring < columns:
-                cells[count] = r * columns + column - ring
-                count += 1
-            if 0 <= column + ring < columns:
-                cells[count] = r * columns + column + ring
-                count += 1
+        whole = r in (row - ring, row + ring)
+        for side in range(1 if whole else 2):
+            first = left if side == 0 else right
+            last = right if whole else first
+            first, last = max(first, 0), min(last, columns - 1)
+            if first <= last:
+                begin, end = start[r * columns + first], start[r * columns + last + 1]
+                if begin < end:
+                    spans[count, 0], spans[count, 1] = begin, end
+                    count += 1
     return count
 
 

@@ -18,8 +18,9 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from sensors.compiled import compiled
-from sensors.grid import HOLLOW, Bodies, Floats, Ints, Walls, locate, ring_cells
+from sensors.bare import bare
+from sensors.compiled import compiled, inlined
+from sensors.grid import HOLLOW, Bodies, Floats, Ints, Walls, locate, most_spans, ring_spans
 from sensors.picture import (
     EDGE_ON,
     ON,
@@ -30,6 +31,7 @@ from sensors.picture import (
     draw_polygon,
     outside_view,
     parts_of,
+    rough_bearing,
     stands_on,
 )
 from sensors.readings import Fan
@@ -48,7 +50,7 @@ def most_corners(shapes: Ints) -> int:
     return most
 
 
-@compiled
+@inlined
 def _all_nearer(depth: Floats, parts: Parts, distance: float) -> bool:
     """Whether every ray ends nearer than `distance`: then nothing farther can be seen.
 
@@ -73,11 +75,11 @@ def _all_nearer(depth: Floats, parts: Parts, distance: float) -> bool:
     return done
 
 
-@compiled
+@inlined
 def _draw_walls(
     walls: Walls,
     stamps: Ints,
-    cells: Ints,
+    spans: Ints,
     depth: Floats,
     hits: Hits,
     fan: Floats,
@@ -94,6 +96,7 @@ def _draw_walls(
     segments, owners, sheets, frame, start, items = walls
     side_x, side_y = math.cos(0.5 * fov), math.sin(0.5 * fov)
     narrow = fov <= math.pi
+    farthest = max_range * max_range * (1.0 + 1e-9)
     parts[2][:] = 1
     stamps[-1] += 1
     stamp = stamps[-1]
@@ -103,8 +106,8 @@ def _draw_walls(
             near = (ring - 1) * frame[2] + inset
             if near > max_range or _all_nearer(depth, parts, near):
                 break
-        for n in range(ring_cells(frame, column, row, ring, cells)):
-            for k in range(start[cells[n]], start[cells[n] + 1]):
+        for n in range(ring_spans(frame, start, column, row, ring, spans)):
+            for k in range(spans[n, 0], spans[n, 1]):
                 wall = items[k]
                 if stamps[wall] == stamp or owners[wall] == own:
                     continue
@@ -118,7 +121,10 @@ def _draw_walls(
                     if sheets[wall]:
                         continue
                     return int(owners[wall])
-                if area * area <= EDGE_ON * EDGE_ON * (ex * ex + ey * ey):
+                square = ex * ex + ey * ey
+                if area * area <= EDGE_ON * EDGE_ON * square:
+                    continue
+                if area * area > farthest * square:  # its whole line lies beyond the range
                     continue
                 bx, by = ax + ex, ay + ey
                 if narrow:
@@ -126,16 +132,16 @@ def _draw_walls(
                     right_a, right_b = -side_x * ay - side_y * ax, -side_x * by - side_y * bx
                     if min(left_a, left_b) > ON or min(right_a, right_b) > ON:
                         continue
-                a, b = math.atan2(ay, ax), math.atan2(by, bx)
-                cover_line(depth, hits, fan, parts, owners[wall], area, ex, ey, a, b)
+                a, b = rough_bearing(ay, ax), rough_bearing(by, bx)
+                cover_line(depth, hits, fan, parts, owners[wall], area, ax, ay, ex, ey, a, b)
     return -1
 
 
-@compiled
+@inlined
 def _draw_bodies(
     bodies: Bodies,
     scratch: Floats,
-    cells: Ints,
+    spans: Ints,
     depth: Floats,
     hits: Hits,
     fan: Floats,
@@ -156,22 +162,24 @@ def _draw_bodies(
     column, row, first, last, inset = locate(frame, ox, oy)
     for ring in range(first - 1, last + 1):
         if ring == first - 1:  # first the cell behind the last: the bodies larger than a cell
-            cells[0] = int(frame[3]) * int(frame[4])
+            behind = int(frame[3]) * int(frame[4])
+            spans[0, 0], spans[0, 1] = start[behind], start[behind + 1]
             count = 1
         else:
             if ring > 0:
                 near = (ring - 1) * frame[2] + inset - frame[5]
                 if near > max_range or _all_nearer(depth, parts, near):
                     break
-            count = ring_cells(frame, column, row, ring, cells)
+            count = ring_spans(frame, start, column, row, ring, spans)
         for n in range(count):
-            for k in range(start[cells[n]], start[cells[n] + 1]):
+            for k in range(spans[n, 0], spans[n, 1]):
                 s = items[k]
                 entity = shapes[s, 0]
                 if entity == own:
                     continue
                 dx, dy, reach = bounds[s, 0] - ox, bounds[s, 1] - oy, bounds[s, 2] + ON
-                if dx * dx + dy * dy > (max_range + reach) * (max_range + reach):
+                square = dx * dx + dy * dy
+                if square > (max_range + reach) * (max_range + reach):
                     continue
                 x, y = cos * dx + sin * dy, cos * dy - sin * dx
                 if narrow and outside_view(x, y, side_x, side_y, reach):
@@ -190,6 +198,7 @@ def _draw_bodies(
                         vertices[shapes[s, 1] : shapes[s, 1] + shapes[s, 2]],
                         shapes[s, 3] == 1,
                         shapes[s, 3] == HOLLOW,
+                        square > reach * reach,
                         ox,
                         oy,
                         cos,
@@ -199,6 +208,58 @@ def _draw_bodies(
                 if on:
                     return int(entity)
     return -1
+
+
+@compiled
+def _cast_rows(
+    held_seen: Seen,
+    held_spans: Ints,
+    held_stamps: Ints,
+    held_scratch: Floats,
+    held_depth: Floats,
+    held_hit: Hits,
+    origins: Floats,
+    own: Ints,
+    rows: Ints,
+    held_fan: Floats,
+    held_parts: Parts,
+    fov: float,
+    max_range: float,
+    held_out: tuple[tuple[Floats, Hits], ...],
+) -> None:
+    """`cast_fans` with room to work in: the arrays are held by the caller."""
+    bodies, walls, solids = bare(held_seen)
+    spans, stamps, scratch = bare(held_spans), bare(held_stamps), bare(held_scratch)
+    depth, hit = bare(held_depth), bare(held_hit)
+    fan, parts, out = bare(held_fan), bare(held_parts), bare(held_out)
+    empty = 1.0 / max_range
+    for j in rows:
+        depth[:] = empty
+        hit[:] = -1
+        x, y = origins[j, 0], origins[j, 1]
+        cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
+        on = stands_within(solids, own[j], x, y)
+        if on < 0:
+            on = _draw_walls(
+                walls, stamps, spans, depth, hit, fan, parts, fov, max_range, own[j], x, y, cos, sin
+            )
+        if on < 0:
+            on = _draw_bodies(
+                bodies, scratch, spans, depth, hit, fan, parts, fov, max_range, own[j], x, y, cos,
+                sin,
+            )  # fmt: skip
+        for part in range(len(out)):
+            ranges, hits = out[part][0][j], out[part][1][j]
+            begin = parts[0][part]
+            if on >= 0:
+                ranges[:] = 0.0
+                hits[:] = on
+                continue
+            for i in range(ranges.shape[0]):
+                near = depth[begin + i]
+                far = 1.0 / near
+                ranges[i] = far if near > empty and far < max_range else max_range
+            hits[:] = hit[begin : begin + ranges.shape[0]]
 
 
 @compiled
@@ -227,38 +288,23 @@ def cast_fans(
             ends, scales: where they end, as `parts_of` has it; fov in radians.
         out: per fan, ranges and hits (n, its samples), written.
     """
-    bodies, walls, solids = seen
-    cells = np.empty(max(bodies[4].shape[0], walls[4].shape[0]), np.int64)
-    stamps = np.zeros(walls[0].shape[0] + 1, np.int64)  # per wall: the last sensor that drew it
-    scratch = np.empty((most_corners(bodies[1]), 6))
-    parts = (ends, scales, np.ones(scales.shape[0], np.int64))
-    depth, hit = np.empty(fan.shape[1]), np.empty(fan.shape[1], np.int32)
-    for j in rows:
-        depth[:] = 1.0 / max_range
-        hit[:] = -1
-        x, y = origins[j, 0], origins[j, 1]
-        cos, sin = math.cos(origins[j, 2]), math.sin(origins[j, 2])
-        on = stands_within(solids, own[j], x, y)
-        if on < 0:
-            on = _draw_walls(
-                walls, stamps, cells, depth, hit, fan, parts, fov, max_range, own[j], x, y, cos, sin
-            )
-        if on < 0:
-            on = _draw_bodies(
-                bodies, scratch, cells, depth, hit, fan, parts, fov, max_range, own[j], x, y, cos,
-                sin,
-            )  # fmt: skip
-        for part in range(len(out)):
-            ranges, hits = out[part][0][j], out[part][1][j]
-            begin = ends[part]
-            if on >= 0:
-                ranges[:] = 0.0
-                hits[:] = on
-                continue
-            for i in range(ranges.shape[0]):
-                found = hit[begin + i]
-                ranges[i] = min(1.0 / depth[begin + i], max_range) if found >= 0 else max_range
-                hits[i] = found
+    bodies, walls, _ = seen
+    _cast_rows(
+        seen,
+        np.empty((max(most_spans(bodies[3]), most_spans(walls[3])), 2), np.int64),
+        np.zeros(walls[0].shape[0] + 1, np.int64),  # per wall: the last sensor that drew it
+        np.empty((most_corners(bodies[1]), 6)),
+        np.empty(fan.shape[1]),
+        np.empty(fan.shape[1], np.int32),
+        origins,
+        own,
+        rows,
+        fan,
+        (ends, scales, np.ones(scales.shape[0], np.int64)),
+        fov,
+        max_range,
+        out,
+    )
 
 
 @lru_cache(maxsize=256)

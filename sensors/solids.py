@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from sensors.compiled import compiled
+from sensors.compiled import compiled, inlined
 from sensors.grid import Floats, Ints, frame_over, touches
 from sensors.picture import stands_on
 
@@ -23,7 +23,7 @@ FINE = 2000
 OUTSIDE, WITHIN, ON_EDGE = 0, 1, 2
 
 
-@compiled
+@inlined
 def side_of(corners: Floats, begin: int, end: int, x: float, y: float) -> int:
     """Where (x, y) lies to the polygon corners[begin:end]: OUTSIDE, WITHIN or ON_EDGE.
 
@@ -44,7 +44,7 @@ def side_of(corners: Floats, begin: int, end: int, x: float, y: float) -> int:
     return WITHIN if winding != 0 else OUTSIDE
 
 
-@compiled
+@inlined
 def stands_within(solids: Solids, own: int, x: float, y: float) -> int:
     """The entity in whose walls (x, y) lies, or on whose edge; -1 if in none but those of `own`."""
     corners, pieces, frame, start, items = solids

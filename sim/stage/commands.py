@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled
 from sim.stage.records import CAR, HEADING, OMNIDIRECTIONAL, POSITION, STEERING, TWIST
 
 
@@ -39,6 +39,7 @@ def _write_twists(
     """False, and nothing is written, if a twist is not finite."""
     if not np.isfinite(twists).all():
         return False
+    movers = bare(movers)
     for k in range(robots.size):
         mover = movers[first + robots[k]]
         vx, vy, wz = twists[k, 0], twists[k, 1], twists[k, 2]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sensors.compiled import compiled, forget_stale_code
+from sensors.bare import bare
+from sensors.compiled import compiled, forget_stale_code, inlined
 
-__all__ = ["compiled"]
+__all__ = ["bare", "compiled", "inlined"]
 
 forget_stale_code(Path(__file__).parent)

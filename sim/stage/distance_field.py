@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import compiled, inlined
 from sim.stage.geometry import CIRCLE_SIDES, Floats, circle_polygon
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def distance_field(layout: Layout) -> DistanceField:
     return DistanceField(cells, (cell, *layout.low))
 
 
-@compiled
+@inlined
 def clear_of(cells: Any, frame: Any, x: float, y: float) -> float:
     """A lower bound of the distance in metres from a place to what stands."""
     cell = frame[0]

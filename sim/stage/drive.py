@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled, inlined
+from sim.stage.intrinsics import floats_at
+from sim.stage.memory import FORCE, SPIN, TORQUE, VELOCITY
 from sim.stage.records import (
     CAR,
     HEADING,
@@ -23,24 +25,32 @@ BRAKING = 0.7
 one step between command and motion, so that it does not overshoot."""
 
 
-@compiled
+@inlined
 def _wrap(angle: float) -> float:
     return math.pi - (math.pi - angle) % (2.0 * math.pi)
 
 
-@compiled
+@inlined
+def _length(x: float, y: float, least: float) -> float:
+    """The length of (x, y), or 0 where it is surely below `least` and so of no interest."""
+    if y == 0.0:
+        return abs(x)
+    return math.hypot(x, y) if x * x + y * y >= least * least * (1.0 - 1e-9) else 0.0
+
+
+@inlined
 def _approach(left: float, limit: float, acceleration: float, dt: float) -> float:
     """Speed at which to approach a goal that is `left` away, so as to stop there."""
     return min(limit, math.sqrt(2.0 * BRAKING * acceleration * left), left / (3.0 * dt))
 
 
-@compiled
+@inlined
 def _turn_to(error: float, limit: float, acceleration: float, dt: float) -> float:
     rate = _approach(abs(error), limit, acceleration, dt)
     return rate if error >= 0.0 else -rate
 
 
-@compiled
+@inlined
 def _set_point(mover: Any, x: float, y: float, yaw: float, dt: float) -> tuple[float, float, float]:
     """The twist (vx, vy, wz; robot's frame) that a robot's command asks for now."""
     if mover.mode == STEERING:
@@ -70,7 +80,7 @@ def _set_point(mover: Any, x: float, y: float, yaw: float, dt: float) -> tuple[f
     return mover.vx, mover.vy, mover.wz
 
 
-@compiled
+@inlined
 def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
     """Bring the wanted twist nearer to the set-point, within the limits of acceleration.
 
@@ -80,7 +90,8 @@ def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
     """
     before = mover.wanted_x
     dx, dy = vx - mover.wanted_x, vy - mover.wanted_y
-    change, most = math.hypot(dx, dy), mover.max_acceleration * dt
+    most = mover.max_acceleration * dt
+    change = _length(dx, dy, most)
     if change > most:
         dx, dy = dx * most / change, dy * most / change
         mover.wanted_x += dx
@@ -99,15 +110,13 @@ def _ramp(mover: Any, vx: float, vy: float, wz: float, dt: float) -> None:
 
 @compiled
 def want(state: Any, movers: Any, count: int, dt: float) -> None:
-    """Update the wanted twists of the first `count` movers for a step of `dt` seconds.
-
-    state (b, 6): the bodies' table.
-    """
+    """Update the wanted twists of the first `count` movers for a step of `dt` seconds."""
+    state, movers = bare(state), bare(movers)
     for i in range(count):
         mover = movers[i]
         if not mover.driven:
             continue
-        body = state[mover.row]
+        body = state[i]
         vx, vy, wz = 0.0, 0.0, 0.0
         if mover.motors:
             vx, vy, wz = _set_point(mover, body[0], body[1], body[2], dt)
@@ -117,11 +126,11 @@ def want(state: Any, movers: Any, count: int, dt: float) -> None:
 
 
 @compiled
-def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, substep: float) -> None:
-    """Write what makes the bodies move as wanted in a step of `dt`, cut to substeps of `substep` s.
+def lead(state: Any, movers: Any, count: int, dt: float, substep: float) -> None:
+    """Give Chipmunk what moves bodies as wanted in a step of `dt`, cut to substeps of `substep` s.
 
-    orders (b, 6): velocities (as they are, but for the bodies that lead robots) and forces. A
-    robot that follows a leader is moved by its joints. All others are far from everything, and
+    That is leaders' velocities, and forces, which act for one substep. A robot that follows a
+    leader is moved by its joints. All others are far from everything, and
     the same limited impulse is a force on them in the first substep: the velocity after the step
     is the same either way.
 
@@ -129,44 +138,44 @@ def lead(state: Any, orders: Any, movers: Any, count: int, dt: float, substep: f
     next step. So the wanted direction is that of the heading halfway through the next step;
     with it an arc of many steps stays on its circle.
     """
-    for i in range(orders.shape[0]):
-        orders[i, 0], orders[i, 1], orders[i, 2] = state[i, 3], state[i, 4], state[i, 5]
-        orders[i, 3], orders[i, 4], orders[i, 5] = 0.0, 0.0, 0.0
+    state, movers = bare(state), bare(movers)
     for i in range(count):
         mover = movers[i]
         if not mover.driven:
             continue
-        body = state[mover.row]
+        body = state[i]
         yaw = body[2] + body[5] * substep + mover.wanted_turn * substep / 2.0
         cosine, sine = math.cos(yaw), math.sin(yaw)
         mover.axis_x, mover.axis_y = cosine, sine
         vx = mover.wanted_x * cosine - mover.wanted_y * sine
         vy = mover.wanted_x * sine + mover.wanted_y * cosine
-        if mover.control >= 0:
-            leader = orders[mover.control]
-            leader[0], leader[1], leader[2] = vx, vy, mover.wanted_turn
+        if mover.leader != 0:
+            leader = floats_at(mover.leader)
+            leader[VELOCITY], leader[VELOCITY + 1], leader[SPIN] = vx, vy, mover.wanted_turn
             continue
         dx, dy = (vx - body[3]) * mover.mass, (vy - body[4]) * mover.mass
-        push, most = math.hypot(dx, dy), mover.max_force * dt
+        most = mover.max_force * dt
+        push = _length(dx, dy, most)
         if push > most:
             dx, dy = dx * most / push, dy * most / push
         most = mover.max_torque * dt
         spin = min(most, max(-most, (mover.wanted_turn - body[5]) * mover.moment))
-        order = orders[mover.row]
-        order[3], order[4], order[5] = dx / substep, dy / substep, spin / substep
+        own = floats_at(mover.body)
+        own[FORCE], own[FORCE + 1], own[TORQUE] = dx / substep, dy / substep, spin / substep
 
 
 @compiled
 def account(state: Any, movers: Any, count: int, dt: float) -> None:
     """After a step of `dt`: the way gone, and how much of what was wanted was done."""
+    state, movers = bare(state), bare(movers)
     for i in range(count):
         mover = movers[i]
-        body = state[mover.row]
+        body = state[i]
         mover.distance += math.hypot(body[0] - mover.x, body[1] - mover.y)
         mover.x, mover.y = body[0], body[1]
         if not mover.driven:
             continue
-        speed = math.hypot(mover.wanted_x, mover.wanted_y)
+        speed = _length(mover.wanted_x, mover.wanted_y, 0.0)
         if speed > 0.0:
             vx = body[3] * mover.axis_x + body[4] * mover.axis_y
             vy = body[4] * mover.axis_x - body[3] * mover.axis_y
@@ -205,9 +214,11 @@ def report(
     measured along the wanted direction; or the same of turning. Wanted is what the limits of
     acceleration have left of the command: speeding up is no stall.
     """
+    state, movers, poses = bare(state), bare(movers), bare(poses)
+    velocities, distances, stalls = bare(velocities), bare(distances), bare(stalls)
     for i in range(first, count):
         mover = movers[i]
-        body = state[mover.row]
+        body = state[i]
         at = i - first
         poses[at, 0], poses[at, 1], poses[at, 2] = body[0], body[1], _wrap(body[2])
         cosine, sine = mover.axis_x, mover.axis_y

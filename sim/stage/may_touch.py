@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled
 from sim.stage.distance_field import clear_of
 from sim.stage.substeps import sort_by_x
 
@@ -28,11 +28,12 @@ def count_calm_ticks(
     goes as fast as who pushes. Returns how many robots must get or lose their joints, and that
     speed in m/s: should anything go faster, look again.
     """
-    sort_by_x(order, state, movers, count)
+    state, movers, order, cells = bare(state), bare(movers), bare(order), bare(cells)
+    sort_by_x(order, state, count)
     fastest, widest = 0.0, 0.0
     for i in range(count):
         mover = movers[i]
-        body = state[mover.row]
+        body = state[i]
         mover.calm += 1
         speed = max(mover.max_speed if mover.driven else 0.0, math.hypot(body[3], body[4]))
         fastest, widest = max(fastest, speed), max(widest, mover.reach)
@@ -40,7 +41,7 @@ def count_calm_ticks(
     widest += way
     for i in range(count):
         mover = movers[order[i]]
-        body = state[mover.row]
+        body = state[order[i]]
         wide = mover.reach + (0.0 if mover.standing else way)
         if mover.levels == 0:
             continue
@@ -48,7 +49,7 @@ def count_calm_ticks(
             mover.calm = 0
         for j in range(i + 1, count):
             other = movers[order[j]]
-            there = state[other.row]
+            there = state[order[j]]
             if there[0] - body[0] > wide + widest:
                 break
             if (mover.standing and other.standing) or mover.levels & other.levels == 0:
@@ -61,7 +62,7 @@ def count_calm_ticks(
     for i in range(count):
         mover = movers[i]
         if mover.driven and (
-            (mover.calm == 0 and mover.control < 0) or (mover.calm >= CALM and mover.control >= 0)
+            (mover.calm == 0 and mover.leader == 0) or (mover.calm >= CALM and mover.leader != 0)
         ):
             changes += 1
     return changes, fastest

@@ -10,20 +10,15 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
-from sim.stage.chipmunk import BodyTable, ContactTable, addresses
-from sim.stage.contacts import Touches
-from sim.stage.distance_field import DistanceField
+from sim.stage.chipmunk import ContactTable, addresses, state_of
 from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
-from sim.stage.steps import PARTS, Place, run_steps
+from sim.stage.steps import PARTS
 
 
 class Physics:
-    """Movers (movable obstacles first, then robots) as bodies, with tables of their states.
-
-    Movers are numbered as they came. `index` must run after every change before `run`.
-    """
+    """Movers (movable obstacles first, then robots) as bodies, numbered as they came."""
 
     def __init__(self, layout: Layout) -> None:
         self._space = bodies.new_space()
@@ -35,15 +30,13 @@ class Physics:
         self._drives: list[Any] = []
         self._joints: list[list[pymunk.Constraint]] = []
         self._leaders: list[pymunk.Body | None] = []
-        self._led: dict[int, int] = {}  # movers that follow a leader, and its name
-        self._names: list[int] = []
-        self._known = -1  # how many of the names are in `_own`
-        self._own: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        self._led: set[int] = set()  # movers that follow their leaders
         self._shapes: dict[Any, int] = {}
         self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
         self._contacts = ContactTable()
-        self.table = BodyTable(self._space)
-        self._machine = np.zeros(PARTS, np.uintp)
+        self.machine = np.zeros(PARTS, np.uintp)
+        """The addresses of what a tick's steps work with: see `steps`."""
+        self.machine[:] = *addresses(self._space), *self._contacts.readers
         self.outlines: NDArray[np.float64] = np.zeros((0, 1, 2))
         """(s, k, 2) Outlines of the shapes that there are, in their own frames."""
         self.sides: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
@@ -67,7 +60,6 @@ class Physics:
         self._drives.append(drive)
         self._joints.append(joints)
         self._leaders.append(None)
-        self._names.append(body.id)
         record = mover(
             schema,
             drive,
@@ -76,6 +68,7 @@ class Physics:
             girth=form.girth,
             shape=self._shape(form.corners),
             levels=levels,
+            at=state_of(body),
         )
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
@@ -93,22 +86,24 @@ class Physics:
             self.outlines, self.sides = wider, np.append(self.sides, len(corners))
         return self._shapes[key]
 
-    def follow(self, number: int, following: bool) -> None:
-        """Attach a driven mover to its leader, or detach it."""
-        if following == (number in self._led):
-            return
+    def follow(self, number: int, following: bool) -> int:
+        """Attach a driven mover to its leader, or detach it; the leader's address, or 0."""
+        if not following and number not in self._led:
+            return 0
         body, drive = self._bodies[number], self._drives[number]
         leader = self._leaders[number]
         if leader is None:
             leader = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             self._leaders[number] = leader
             self._joints[number] = bodies.follow(leader, body, drive.max_force, drive.max_torque)
-        change = self._space.add if following else self._space.remove
-        change(leader, *self._joints[number])
-        if following:
-            self._led[number] = leader.id
-        else:
-            del self._led[number]
+        if not following:
+            self._space.remove(leader, *self._joints[number])
+            self._led.discard(number)
+            return 0
+        if number not in self._led:
+            self._space.add(leader, *self._joints[number])
+            self._led.add(number)
+        return state_of(leader)
 
     def settle(self, number: int) -> None:
         """Make a mover a standing body."""
@@ -129,61 +124,18 @@ class Physics:
             body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
         self._space.reindex_shapes_for_body(body)
 
-    def index(self, movers: NDArray[Any], touches: Touches) -> None:
-        """After a change: find the rows of the movers (n,) in the table, and read it."""
-        ids = self.table.index().astype(np.int64)
-        self._machine[:] = (
-            *addresses(self._space),
-            *self.table.readers,
-            *self.table.writers,
-            *self._contacts.readers,
-        )
-        order = np.argsort(ids)
-        ranked = ids[order]
-        count = len(self._names)
-        if self._known != count:  # who came is named once, not at each change of joints
-            self._known = count
-            self._own = np.array(self._names, dtype=np.int64)
-            standing = np.array(list(self._standing), dtype=np.int64)
-            groups = np.array(list(self._standing.values()), dtype=np.int64)
-            names_of_all = np.concatenate([self._own, standing])
-            things = np.concatenate([np.arange(count), -1 - groups])
-            rank = np.argsort(names_of_all)
-            touches.rename(names_of_all[rank], things[rank])
-        if count:
-            movers["row"] = order[np.searchsorted(ranked, self._own)]
-            movers["control"] = -1
-            led = np.array(sorted(self._led), dtype=np.int64)
-            leaders = np.array([self._led[number] for number in led.tolist()], dtype=np.int64)
-            movers["control"][led] = order[np.searchsorted(ranked, leaders)]
+    def names(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Ids (b,) of the bodies that can be touched, ascending, and which thing each is.
 
-    def run(
-        self,
-        place: Place,
-        movers: NDArray[Any],
-        first: int,
-        order: NDArray[np.int64],
-        field: DistanceField,
-        interval: float,
-        steps: int,
-        traced: NDArray[np.int64],
-        seen: tuple[Floats, Floats, Floats, NDArray[np.bool_]],
-        touches: Touches,
-    ) -> tuple[Place, Floats]:
-        """Go on with a tick as far as joints need no change; see `steps.run_steps`.
-
-        seen: poses, velocities, distances and stalls of the robots. touches: gathers what touches.
-        Returns the place, and the notes (m, k, 3) of where the `traced` movers were.
+        Things as `contacts.Touches` numbers them: movers, and what stands by negative numbers.
         """
-        table = self.table
-        place, pairs, points, ends, notes = run_steps(
-            self._machine, table.state, table.orders, movers, first, len(movers), order,
-            field.cells, field.frame, self.outlines, self.sides, interval, steps, place,
-            traced, *seen,
-        )  # fmt: skip
-        if len(pairs):
-            touches.add(pairs, points, ends)
-        return place, notes
+        own = np.array([body.id for body in self._bodies], dtype=np.int64)
+        standing = np.array(list(self._standing), dtype=np.int64)
+        groups = np.array(list(self._standing.values()), dtype=np.int64)
+        ids = np.concatenate([own, standing])
+        things = np.concatenate([np.arange(len(own)), -1 - groups])
+        rank = np.argsort(ids)
+        return ids[rank], things[rank]
 
     def poses(self, count: int) -> Floats:
         """Poses (count, 3) of the first movers: x, y, yaw as Chipmunk counts it."""

@@ -45,9 +45,9 @@ MOVER = np.dtype(
         ("girth", np.float64),  # m, half of its width where it is narrowest
         ("strength", np.float64),  # N, at most, with which its drive can press on something
         ("lever", np.float64),  # m, how far from the origin turning moves the outline; 0: circle
-        # where it is in the tables
-        ("row", np.int32),  # of its body
-        ("control", np.int32),  # of the body that leads it; -1: none does
+        # where Chipmunk keeps it: see `chipmunk.state_of`
+        ("body", np.uint64),  # the address of its body's state
+        ("leader", np.uint64),  # that of the body that leads it; 0: none does
         ("driven", np.bool_),  # has a drive and is not settled
         ("standing", np.bool_),  # settled for good
         ("calm", np.int32),  # ticks since it last could have met anything
@@ -92,19 +92,20 @@ def mover(
     girth: float,
     shape: int,
     levels: int,
+    at: int,
 ) -> Any:
     """A record for a body and a drive (or None) of the schema, at rest at no place yet.
 
     moment: moment of inertia in kg m2. reach: radius of the circle about its origin in metres.
     girth: half of its least width in metres. shape: the number of its outline. levels: the bits of
-    the heights at which it meets others.
+    the heights at which it meets others. at: the address of its body's state.
     """
     record = np.zeros(1, dtype=MOVER)[0]
     record["mass"], record["moment"] = body.mass, moment
     record["reach"], record["girth"] = reach, girth
     record["lever"] = 0.0 if body.shape == "circle" else reach
     record["shape"], record["levels"] = shape, levels
-    record["control"] = -1
+    record["body"] = at
     record["motors"] = True
     record["axis_x"] = 1.0
     if drive is not None:

@@ -15,10 +15,11 @@ from sim.stage.contacts import Touches
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
 from sim.stage.may_touch import CALM
+from sim.stage.memory import read_bodies
 from sim.stage.physics import Physics, pose_of
 from sim.stage.putting import Places
 from sim.stage.records import CAR, COMMAND_FIELDS, COMMANDS, MOVER
-from sim.stage.steps import BEGIN
+from sim.stage.steps import BEGIN, run_steps
 
 if TYPE_CHECKING:
     from sim.worldfile.schema import Clock, Model
@@ -27,6 +28,8 @@ BUMPER = EYES["bumper"]
 NOBODY: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 """No robot's way is asked for."""
 NO_WAYS: Floats = np.zeros((0, 1, 3))
+NOTHING: Floats = np.zeros((0, 3))
+"""The poses of no obstacles."""
 
 
 class Hand(NamedTuple):
@@ -61,6 +64,9 @@ class Stage:
         self._order = np.arange(room)
         self._poses, self._velocities = np.zeros((room, 3)), np.zeros((room, 3))
         self._distances, self._stalls = np.zeros(room), np.zeros(room, dtype=np.bool_)
+        self._state = np.zeros((room, 6))  # of the movers' bodies: see `memory`
+        self._known = -1  # of how many movers the names are known
+        self._given: tuple[Any, ...] = ()  # what the physics of a tick is given each time
         self._contact_counts = np.zeros(room, dtype=np.int64)
         self._kinds: list[Model] = []  # by robot
         self._touches.unfelt = {
@@ -105,7 +111,7 @@ class Stage:
         if record["standing"]:
             return
         self._physics.settle(self._movables + robot)
-        record["standing"], record["driven"] = True, False
+        record["standing"], record["driven"], record["leader"] = True, False, 0
         self._hands.append(Hand(robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
@@ -275,34 +281,42 @@ class Stage:
         if self._hands or self.hands:
             self.hands, self._hands = self._hands, []
         if self._changed:
-            self._index()
-        count = self._movables + self._count
-        movers, order = self._movers[:count], self._order[:count]
-        seen = self._poses, self._velocities, self._distances, self._stalls
+            self._prepare()
+        numbers = self._movables + traced if len(traced) else NOBODY
         place, ways = BEGIN, []
-        while place[0] < self._steps:
-            place, notes = self._physics.run(
-                place, movers, self._movables, order, self._distance_field, self._interval,
-                self._steps, self._movables + traced, seen, self._touches,
-            )  # fmt: skip
+        while True:
+            place, contacts, notes = run_steps(place, numbers, *self._given)
+            if len(contacts):
+                self._touches.add(contacts)
             ways.append(notes)
-            if place[0] < self._steps:
-                self._attach()
+            if place[0] == self._steps:
+                break
+            self._attach()
         self._touches.finish(self._contact_counts)
         return np.concatenate(ways).swapaxes(0, 1).copy() if len(traced) else NO_WAYS
 
     def _attach(self) -> None:
         """Give joints to robots that may meet something, and take them from those far off."""
         movers = self._movers[: self._movables + self._count]
-        driven, led, calm = movers["driven"], movers["control"] >= 0, movers["calm"]
+        driven, led, calm = movers["driven"], movers["leader"] != 0, movers["calm"]
         for number in np.nonzero(driven & ~led & (calm == 0))[0].tolist():
-            self._physics.follow(number, True)
+            movers[number]["leader"] = self._physics.follow(number, True)
         for number in np.nonzero(driven & led & (calm >= CALM))[0].tolist():
-            self._physics.follow(number, False)
-        self._index()
+            movers[number]["leader"] = self._physics.follow(number, False)
 
-    def _index(self) -> None:
-        self._physics.index(self._movers[: self._movables + self._count], self._touches)
+    def _prepare(self) -> None:
+        """After a change: gather what the physics of a tick is given, and look where bodies are."""
+        count, physics, field = self._movables + self._count, self._physics, self._distance_field
+        movers, state = self._movers[:count], self._state[:count]
+        if self._known != count:  # who came is named once
+            self._known = count
+            self._touches.rename(*physics.names())
+        self._given = (
+            physics.machine, state, movers, self._movables, count, self._order[:count],
+            field.cells, field.frame, physics.outlines, physics.sides, self._interval, self._steps,
+            self._poses, self._velocities, self._distances, self._stalls,
+        )  # fmt: skip
+        read_bodies(state, movers, count)
         self._changed = False
 
     def _grow(self, needed: int) -> None:
@@ -316,6 +330,7 @@ class Stage:
         self._movers, self._order = longer(self._movers), longer(self._order)
         self._poses, self._velocities = longer(self._poses), longer(self._velocities)
         self._distances, self._stalls = longer(self._distances), longer(self._stalls)
+        self._state = longer(self._state)
         self._contact_counts = longer(self._contact_counts)
 
     # --- what there is to see
@@ -388,7 +403,7 @@ class Stage:
     @property
     def contact_points(self) -> tuple[NDArray[np.int64], Floats]:
         """Robots (k,) ascending, and points (k, 2) in the world, of the latest tick's contacts."""
-        return self._touches.robots, self._touches.points
+        return self._touches.points
 
     @property
     def stretches(self) -> tuple[NDArray[np.int64], Floats, Floats]:
@@ -409,6 +424,8 @@ class Stage:
     @property
     def movable_poses(self) -> Floats:
         """(m, 3) Poses of the movable obstacles, in the layout's order."""
+        if not self._movables:
+            return NOTHING
         poses = self._physics.poses(self._movables)
         poses[:, 2] = wrapped(poses[:, 2])
         return poses

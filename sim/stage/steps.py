@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import carray  # type: ignore[attr-defined]
 
 from sim.stage import drive
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled
 from sim.stage.intrinsics import (
     floats_at,
     for_each,
@@ -19,16 +18,19 @@ from sim.stage.intrinsics import (
 )
 from sim.stage.limits import DEEPEST
 from sim.stage.may_touch import count_calm_ticks
+from sim.stage.memory import read_bodies
 from sim.stage.substeps import count_substeps
 
-STEP, EACH_BODY, EACH_ARBITER, SET_ITERATIONS, READ_BODY, WRITE_BODY, READ_ARBITER = range(7)
+STEP, EACH_ARBITER, SET_ITERATIONS, READ_ARBITER = range(4)
 """Where the addresses of functions stand in `machine`: first, as `chipmunk.FUNCTIONS` has them."""
-SPACE, READ_DATA, READ_BUFFER, WRITE_DATA, WRITE_BUFFER, TOUCH_DATA, TOUCH_WORDS, TOUCH_FLOATS = (
-    range(7, 15)
-)
+SPACE, TOUCH_DATA, TOUCH_WORDS, TOUCH_FLOATS = range(4, 8)
 """Then come the addresses of what they work on: see `chipmunk`."""
-PARTS = 15
+PARTS = 8
 """The length of `machine`."""
+
+CONTACT = 12
+"""Numbers of a contact: the ids of two bodies, how many points they share, x and y of up to two
+points on either's surface (2, 2, 2), and in which of the tick's substeps it was."""
 
 Place = tuple[int, float, bool]
 """How far a tick has come: see `run_steps`."""
@@ -43,10 +45,25 @@ def _widened(array: Any, rows: int) -> Any:
 
 
 @compiled
+def _read_contacts(machine: Any, contacts: Any, rows: int, more: int, number: int) -> None:
+    """Write the contacts that Chipmunk has told to the `more` rows from `rows` on."""
+    words = words_at(words_at(machine[TOUCH_WORDS])[1])
+    floats = floats_at(words_at(machine[TOUCH_FLOATS])[1])
+    for k in range(more):
+        contact = contacts[rows + k]
+        for column in range(3):
+            contact[column] = words[3 * k + column]
+        for column in range(8):
+            contact[3 + column] = floats[8 * k + column]
+        contact[CONTACT - 1] = number
+
+
+@compiled
 def run_steps(
+    place: Any,
+    traced: Any,
     machine: Any,
     state: Any,
-    orders: Any,
     movers: Any,
     first: int,
     count: int,
@@ -57,8 +74,6 @@ def run_steps(
     sides: Any,
     interval: float,
     steps: int,
-    place: Any,
-    traced: Any,
     poses: Any,
     velocities: Any,
     distances: Any,
@@ -66,37 +81,36 @@ def run_steps(
 ) -> Any:
     """Make `steps` steps in `interval` seconds, each cut as finely as bodies that meet need.
 
-    machine (PARTS,): addresses. state, orders (b, 6): the bodies' table. movers: `first` movable
-    obstacles, then robots up to `count`. order (count,): the movers by x, kept from step to step.
-    cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
-    shapes. poses, velocities, distances, stalls: the robots', written at the end of the tick.
-    traced (k,): the movers whose poses are noted.
+    machine (PARTS,): addresses. movers: `first` movable obstacles, then robots up to `count`, with
+    their state (count, 6) as `memory` reads it. order (count,): the movers by x, kept from step to
+    step. cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the
+    movers' shapes. poses, velocities, distances, stalls: the robots', written at the end of the
+    tick. traced (k,): the movers whose poses are noted.
 
     place: the step to go on with, how fast (m/s) the fastest may be that was assumed when
     joints were given (negative: look around first), and whether the drives have taken this step
     in already. Where robots must get or lose their joints in mid-tick the loop returns, to be
     called again with the place that it returns; at the end that is behind the last step.
 
-    Returns the place; the touching pairs (t, 3) and their points (t, 2, 2, 2) as `ContactTable`
-    has them; the row (s,) at which each step's contacts end; and the notes (m, k, 3) of x, y and
-    yaw, at the beginning of the tick and after every substep.
+    Returns the place; the contacts (t, CONTACT) of all substeps; and the notes (m, k, 3) of x, y
+    and yaw, at the beginning of the tick and after every substep.
     """
-    pairs = np.empty((0, 3), dtype=np.uintp)
-    points = np.empty((0, 2, 2, 2))
-    ends = np.empty(0, dtype=np.int64)
+    machine, state, movers, order = bare(machine), bare(state), bare(movers), bare(order)
+    cells, outlines, sides = bare(cells), bare(outlines), bare(sides)
+    contacts = np.empty((0, CONTACT))
     notes = np.empty((0, len(traced), 3))
-    rows, found, noted = 0, 0, 0
+    rows, noted, number = 0, 0, 0
     step, fastest, led = place
     dt = interval / steps
     space = machine[SPACE]
     if fastest < 0.0:
         changes, fastest = count_calm_ticks(state, movers, count, order, cells, frame, interval)
         if changes > 0:
-            return (0, fastest, False), pairs, points, ends, notes
+            return (0, fastest, False), contacts, notes
     if step == 0 and not led and len(traced) > 0:
         notes = _widened(notes, 1)
         for k in range(len(traced)):
-            notes[0, k] = state[movers[traced[k]].row, :3]
+            notes[0, k] = state[traced[k], :3]
         noted = 1
     while step < steps:
         if not led:
@@ -115,19 +129,16 @@ def run_steps(
             )
         led = False
         substep = dt / max(1, cuts)
-        drive.lead(state, orders, movers, count, dt, substep)
-        ints_at(machine[WRITE_BUFFER])[0] = 0
-        for_each(machine[EACH_BODY], space, machine[WRITE_BODY], machine[WRITE_DATA])
+        drive.lead(state, movers, count, dt, substep)
         set_iterations(machine[SET_ITERATIONS], space, np.int32(rounds))
         for _ in range(max(1, cuts)):
             step_space(machine[STEP], space, substep)
             if len(traced) > 0:
-                ints_at(machine[READ_BUFFER])[0] = 0
-                for_each(machine[EACH_BODY], space, machine[READ_BODY], machine[READ_DATA])
+                read_bodies(state, movers, count)
                 if noted == notes.shape[0]:
                     notes = _widened(notes, noted + 1)
                 for k in range(len(traced)):
-                    notes[noted, k] = state[movers[traced[k]].row, :3]
+                    notes[noted, k] = state[traced[k], :3]
                 noted += 1
             if cuts == 0:
                 continue
@@ -137,22 +148,15 @@ def run_steps(
             more = words[0] // 3
             if more == 0:
                 continue
-            if rows + more > pairs.shape[0]:
-                pairs, points = _widened(pairs, rows + more), _widened(points, rows + more)
-            word_memory = words_at(machine[TOUCH_WORDS])[1]
-            float_memory = words_at(machine[TOUCH_FLOATS])[1]
-            pairs[rows : rows + more] = carray(words_at(word_memory), (more, 3))
-            points[rows : rows + more] = carray(floats_at(float_memory), (more, 2, 2, 2))
+            if rows + more > contacts.shape[0]:
+                contacts = _widened(contacts, rows + more)
+            _read_contacts(machine, contacts, rows, more, number)
             rows += more
-            if found == ends.shape[0]:
-                ends = _widened(ends, found + 1)
-            ends[found] = rows
-            found += 1
+            number += 1
         if len(traced) == 0:
-            ints_at(machine[READ_BUFFER])[0] = 0
-            for_each(machine[EACH_BODY], space, machine[READ_BODY], machine[READ_DATA])
+            read_bodies(state, movers, count)
         drive.account(state, movers, count, dt)
         step += 1
     if step == steps:
         drive.report(state, movers, first, count, interval, poses, velocities, distances, stalls)
-    return (step, fastest, led), pairs[:rows], points[:rows], ends[:found], notes[:noted]
+    return (step, fastest, led), contacts[:rows], notes[:noted]

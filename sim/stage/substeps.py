@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.compiled import compiled
+from sim.stage.compiled import bare, compiled, inlined
 from sim.stage.distance_field import clear_of
 from sim.stage.limits import DEEPEST, MOST_RATIO, MOST_SUBSTEPS
 
@@ -30,12 +30,11 @@ substeps with its root: together with the speed of closing this kept overlaps be
 crowds of robots of all shapes with masses from 1 to 1000 and drives of 100 m/s2."""
 
 
-@compiled
-def gain(state: Any, mover: Any, dt: float) -> tuple[float, float]:
+@inlined
+def gain(body: Any, mover: Any, dt: float) -> tuple[float, float]:
     """How much a drive can change a body's velocity (m/s) and turn rate (rad/s) in a step."""
     if not mover.driven:
         return 0.0, 0.0
-    body = state[mover.row]
     vx = mover.wanted_x * mover.axis_x - mover.wanted_y * mover.axis_y
     vy = mover.wanted_x * mover.axis_y + mover.wanted_y * mover.axis_x
     change = min(math.hypot(vx - body[3], vy - body[4]), mover.max_force * dt / mover.mass)
@@ -44,19 +43,20 @@ def gain(state: Any, mover: Any, dt: float) -> tuple[float, float]:
 
 
 @compiled
-def sort_by_x(order: Any, state: Any, movers: Any, count: int) -> None:
+def sort_by_x(order: Any, state: Any, count: int) -> None:
     """Insertion sort of movers by x: nearly sorted already, as bodies move little in a step."""
+    order, state = bare(order), bare(state)
     for i in range(1, count):
         k = order[i]
-        x = state[movers[k].row, 0]
+        x = state[k, 0]
         j = i - 1
-        while j >= 0 and state[movers[order[j]].row, 0] > x:
+        while j >= 0 and state[order[j], 0] > x:
             order[j + 1] = order[j]
             j -= 1
         order[j + 1] = k
 
 
-@compiled
+@inlined
 def _beyond(
     corners: Any, sides: int, pose: Any, others: Any, other_sides: int, there: Any, radius: float
 ) -> float:
@@ -88,10 +88,9 @@ def _beyond(
     return most
 
 
-@compiled
-def _gap(state: Any, mover: Any, other: Any, outlines: Any, sides: Any) -> float:
+@inlined
+def _gap(one: Any, two: Any, mover: Any, other: Any, outlines: Any, sides: Any) -> float:
     """A lower bound of the distance in metres between two bodies' outlines."""
-    one, two = state[mover.row], state[other.row]
     n, m = sides[mover.shape], sides[other.shape]
     radius = other.reach if m == 0 else 0.0
     best = _beyond(outlines[mover.shape], n, one, outlines[other.shape], m, two, radius)
@@ -118,21 +117,23 @@ def count_substeps(
     Besides how many rounds the solver shall make in each, and how fast (m/s) the fastest of those
     looked at is.
 
-    state (b, 6): the bodies' table. order (count,): the movers by x, kept from step to step.
+    state (count, 6): the movers'. order (count,): the movers by x, kept from step to step.
     cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes in their own frames, no sides for a circle.
 
     Only robots that follow a leader and passive bodies are looked at: no other can meet anything
     in this tick.
     """
-    sort_by_x(order, state, movers, count)
+    state, movers, order = bare(state), bare(movers), bare(order)
+    cells, outlines, sides = bare(cells), bare(outlines), bare(sides)
+    sort_by_x(order, state, count)
     fastest, largest, quickest = 0.0, 0.0, 0.0
     for i in range(count):
         mover = movers[i]
-        if mover.driven and mover.control < 0:
+        if mover.driven and mover.leader == 0:
             continue
-        body = state[mover.row]
-        change, turn = gain(state, mover, dt)
+        body = state[i]
+        change, turn = gain(body, mover, dt)
         quickest = max(quickest, math.hypot(body[3], body[4]))
         speed = math.hypot(body[3], body[4]) + change + (abs(body[5]) + turn) * mover.lever
         fastest, largest = max(fastest, speed), max(largest, mover.reach)
@@ -140,10 +141,10 @@ def count_substeps(
     heaviest, lightest, strongest = 0.0, math.inf, 0.0
     for i in range(count):
         mover = movers[order[i]]
-        if mover.driven and mover.control < 0:
+        if mover.driven and mover.leader == 0:
             continue
-        body = state[mover.row]
-        change, turn = gain(state, mover, dt)
+        body = state[order[i]]
+        change, turn = gain(body, mover, dt)
         spin = (abs(body[5]) + turn) * mover.lever
         own = math.hypot(body[3], body[4]) + change + spin
         if not mover.standing and own > 0.0 and mover.levels != 0:
@@ -152,22 +153,22 @@ def count_substeps(
                 needed = max(needed, own * dt / min(DEEPEST, mover.girth / 2.0))
         for j in range(i + 1, count):
             other = movers[order[j]]
-            there = state[other.row]
+            there = state[order[j]]
             if there[0] - body[0] > mover.reach + largest + (own + fastest) * dt:
                 break
-            if (mover.standing and other.standing) or (other.driven and other.control < 0):
+            if (mover.standing and other.standing) or (other.driven and other.leader == 0):
                 continue
             if mover.levels & other.levels == 0:
                 continue
             # Side by side at the same velocity bodies do not close, whatever their speed: the
             # difference of their velocities counts, and what drives and turning may add to it.
-            change2, turn2 = gain(state, other, dt)
+            change2, turn2 = gain(there, other, dt)
             closing = math.hypot(body[3] - there[3], body[4] - there[4]) + change + change2
             closing += spin + (abs(there[5]) + turn2) * other.lever
             apart = math.hypot(there[0] - body[0], there[1] - body[1])
             if apart - mover.reach - other.reach >= closing * dt:
                 continue
-            if _gap(state, mover, other, outlines, sides) < closing * dt:
+            if _gap(body, there, mover, other, outlines, sides) < closing * dt:
                 closest = min(DEEPEST, (mover.girth + other.girth) / 2.0)
                 needed = max(needed, closing * dt / closest)
                 if not mover.standing:

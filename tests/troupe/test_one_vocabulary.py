@@ -15,9 +15,8 @@ def commands(group: Any, name: str) -> list[tuple[str, Any]]:
     """All commands with their names, those of groups too."""
     if not hasattr(group, "commands"):
         return [(name, group)]
-    return [
-        one for key, found in group.commands.items() for one in commands(found, f"{name} {key}")
-    ]
+    found = {key: group.get_command(None, key) for key in group.list_commands(None)}
+    return [one for key, member in found.items() for one in commands(member, f"{name} {key}")]
 
 
 def test_where_a_command_writes_is_told_by_out_or_o_everywhere() -> None:

@@ -17,7 +17,7 @@ RUN = {"view": None, "realtime": None, "log_sensors": None}
 def parsed(words: str) -> dict[str, Any]:
     """What `troupe run WORDS` is told of its world and of these options."""
     command: Any = typer.main.get_command(app)
-    run = command.commands["run"]
+    run = command.get_command(None, "run")
     assert isinstance(run, Command)
     with run.make_context("run", words.split()) as context:
         return {key: context.params[key] for key in ("world", *RUN)}
