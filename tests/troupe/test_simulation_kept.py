@@ -13,7 +13,7 @@ import pytest
 import troupe
 from sim.log.reader import LogReader
 from sim.log.replay import check
-from troupe.live import watch
+from troupe.live.hands import Hands
 from troupe.usage import UsageError
 
 sys.path.insert(0, str(Path(__file__).parent / "live"))
@@ -84,7 +84,7 @@ def moved(tmp_path_factory: pytest.TempPathFactory) -> LogReader:
         sim.command("a", forward=0.4, turn=0.0)
         for tick in range(25):
             if tick == 5:
-                assert watch.put_thing(sim._engine, 1, (3.2, 2.1, 0.3))
+                assert Hands(sim._engine).put_thing(1, (3.2, 2.1, 0.3))
             sim.step()
     return LogReader(path)
 
