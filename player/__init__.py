@@ -143,3 +143,8 @@ def __getattr__(name: str) -> Any:
     found = getattr(import_module(f"player.{_HOME[name]}"), name)
     globals()[name] = found
     return found
+
+
+def __dir__() -> list[str]:
+    """What there is to be used, loaded or not yet."""
+    return sorted(__all__)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 
 from player import messages
-from player.backlog import Backlog
 from player.codes import (
     ANY,
     DEFAULT_PORT,
@@ -25,11 +24,10 @@ from player.codes import (
 )
 from player.environment import Place, find_place, find_timeout
 from player.errors import PlayerDisconnected, PlayerRefused, ProtocolError
-from player.familiar import Familiar
-from player.header import Message, pack_message
-from player.link import Deadline, Link
+from player.header import pack_message
+from player.hearing import Hearing, request_name
+from player.link import Link
 from player.printable import printable
-from player.usual import read_round
 from player.xdr import Values
 
 if TYPE_CHECKING:
@@ -38,14 +36,9 @@ if TYPE_CHECKING:
 DEFAULT_TIMEOUT = 5.0
 """Wall-clock seconds that a server over TCP has for an answer, as in Player's own client."""
 
-FLUSH_SIZE = 1 << 16
 _PLAYER = DeviceAddr(Interface.PLAYER, 0)
-_DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = map(int, MessageType)
-_REQUEST_DATA = pack_message(Interface.PLAYER, 0, _REQ, PlayerRequest.DATA)
-
-
-def _data() -> str:
-    return "data"
+_DATA, _CMD, _REQ, _ACK, _, _ = map(int, MessageType)
+_PULL = DataMode.PULL
 
 
 def _encode(interf: int, type_: int, subtype: int, message: Values) -> bytes:
@@ -92,10 +85,6 @@ class PlayerClient:
         """The device index that proxies take unless told another."""
         self.seed = place.seed
         """The seed of this robot in this run, from PLAYER_SEED; 0 if there is none."""
-        self.time = 0.0
-        """Simulated time of the last reading, seconds."""
-        self.stray = 0
-        """Replies that nobody was waiting for, dropped."""
         self.timeout: float | None
         if timeout == "default":
             is_local = place.sock is not None
@@ -104,19 +93,11 @@ class PlayerClient:
             self.timeout = timeout
         self.read_timeout = read_timeout
         self._rng: np.random.Generator | None = None
-        self._proxies: list[Proxy] = []
-        self._routes: dict[tuple[int, ...], list[Proxy]] = {}
-        self._out: list[bytes] = []
-        self._out_size = 0
-        self._backlog = Backlog()
-        self._asked = False
-        self._acknowledged = False
-        self._in_step = False  # the last round is over, and nothing that came since is left
-        self._familiar = Familiar(read_round)
         self._closed = False
         self._outside = place.sock is None
         self._mode = DataMode.PUSH  # a server's first state
         self._link = Link(place, self.timeout)
+        self._hearing = Hearing(self._link)
         self.banner = self._link.banner
         """What the server said first, such as `Player v.3.1.1-dev`; control characters escaped."""
         try:
@@ -126,6 +107,16 @@ class PlayerClient:
         except BaseException:
             self._link.close()
             raise
+
+    @property
+    def time(self) -> float:
+        """Simulated time of the last reading, seconds."""
+        return self._hearing.time
+
+    @property
+    def stray(self) -> int:
+        """Replies that nobody was waiting for, dropped."""
+        return self._hearing.stray
 
     @property
     def address(self) -> str:
@@ -151,25 +142,30 @@ class PlayerClient:
         """
         if self._closed:
             raise PlayerDisconnected("this PlayerClient has been closed")
-        for proxy in self._proxies:
+        hearing, link = self._hearing, self._link
+        for proxy in hearing.proxies:
             proxy.fresh = False
-        if self.ending:
+        if link.ending:
             return False
-        if not self._routes:
+        if not hearing.routes:
             raise ProtocolError("read() would wait for ever: make a proxy of a device first")
         try:
-            return self._read_round() if self._mode is DataMode.PULL else self._read_pushed()
+            if self._mode is _PULL:
+                hearing.round(self.timeout, self.read_timeout)
+            else:
+                hearing.pushed(self.timeout, self.read_timeout)
         except PlayerDisconnected:
-            if self._link.clean:
+            if link.clean:
                 return False
             raise
+        return True
 
     def flush(self) -> None:
         """Sends queued commands now, without waiting for the next `read`.
 
         Raises PlayerDisconnected if the server has gone, PlayerTimeout if it takes nothing.
         """
-        if not self._send_queued():
+        if not self._link.send_queued(self.timeout):
             self._link.end()
 
     def rng(self) -> np.random.Generator:
@@ -200,7 +196,7 @@ class PlayerClient:
             raise ValueError(f"mode is 'pull' or 'push' ({mode!r} given)")
         self.request(_PLAYER, PlayerRequest.DATAMODE, {"mode": modes[mode]})
         self._mode = modes[mode]
-        self._asked = self._acknowledged = False
+        self._hearing.begin_again()
 
     def add_replace_rule(
         self,
@@ -232,10 +228,10 @@ class PlayerClient:
             return
         if not self.ending:
             if done and self._outside:
-                for addr in self._routes:
+                for addr in self._hearing.routes:
                     message = {"addr": (0, 0, *addr), "access": Access.CLOSE, "driver": ""}
                     payload = _encode(_PLAYER.interf, _REQ, PlayerRequest.DEV, message)
-                    self._out.append(pack_message(*_PLAYER, _REQ, PlayerRequest.DEV, payload))
+                    self._link.queue(pack_message(*_PLAYER, _REQ, PlayerRequest.DEV, payload))
             with contextlib.suppress(PlayerDisconnected, OSError):
                 self.flush()
         self._closed = True
@@ -255,7 +251,7 @@ class PlayerClient:
         Raises PlayerRefused, with the devices that there are, if there is no such device.
         """
         driver = ""
-        if proxy.addr not in self._routes:
+        if proxy.addr not in self._hearing.routes:
             try:
                 driver = self._access(proxy.addr, Access.OPEN)
             except PlayerRefused:
@@ -263,19 +259,13 @@ class PlayerClient:
                 raise PlayerRefused(
                     f"no device {proxy.addr} at {self.address} (devices there: {there})"
                 ) from None
-        self._routes.setdefault(tuple(map(int, proxy.addr)), []).append(proxy)
-        self._proxies.append(proxy)
+        self._hearing.route(proxy)
         return driver
 
     def unsubscribe(self, proxy: Proxy) -> None:
         """Undoes `subscribe`; nothing if the connection is gone."""
-        self._proxies.remove(proxy)
-        route = self._routes[proxy.addr]
-        route.remove(proxy)
-        if not route:
-            del self._routes[proxy.addr]
-            if not (self._closed or self.ending):
-                self._access(proxy.addr, Access.CLOSE)
+        if self._hearing.unroute(proxy) and not (self._closed or self.ending):
+            self._access(proxy.addr, Access.CLOSE)
 
     def _access(self, addr: DeviceAddr, access: Access) -> str:
         message = {"addr": (0, 0, *addr), "access": access, "driver": ""}
@@ -296,11 +286,9 @@ class PlayerClient:
         """Queues one encoded message; sends what is queued when it gets long."""
         if self._closed:
             raise PlayerDisconnected("this PlayerClient has been closed")
-        if self.ending:
+        if self._link.ending:
             return  # the robot is not there any more; the next read() says so
-        self._out.append(data)
-        self._out_size += len(data)
-        if self._out_size > FLUSH_SIZE:
+        if self._link.queue(data):
             with contextlib.suppress(PlayerDisconnected):
                 self.flush()
 
@@ -314,150 +302,14 @@ class PlayerClient:
         if self._closed or self.ending:
             raise PlayerDisconnected(self.ending or "this PlayerClient has been closed")
         payload = _encode(addr.interf, _REQ, subtype, message or {})
-        self._in_step = False
-        self._out.append(pack_message(*addr, _REQ, subtype, payload))
-        self._send_queued()
+        self._link.queue(pack_message(*addr, _REQ, subtype, payload))
+        self._link.send_queued(self.timeout)
 
         def name() -> str:
-            spec = messages.find(addr.interf, _REQ, subtype)
-            return f"{spec.name if spec else subtype} of {addr}"
+            return request_name(addr, subtype)
 
-        deadline = Deadline(self.timeout, name)
-        expected = (*addr, subtype)
-        while True:
-            got = self._link.next(deadline)
-            if got.type == _DATA:
-                self._backlog.add(got)
-            elif got.type == _SYNCH:
-                if self._asked:
-                    self._backlog.end_round()
-            elif self._is_data_ack(got):
-                self._acknowledged = True
-            elif (got.interf, got.index, got.subtype) != expected:
-                self.stray += 1
-            elif got.type == _NACK:
-                raise PlayerRefused(f"{self.address} refused the request {name()}")
-            elif got.type == _ACK:
-                return messages.decode(addr.interf, _ACK, subtype, got.payload)
-
-    # -- messages ---------------------------------------------------------------------------
-
-    def _read_round(self) -> bool:
-        if not (self._in_step and self.timeout is None and self.read_timeout is None):
-            return self._read_slowly()
-        self._in_step = False
-        out = self._out
-        out.append(_REQUEST_DATA)
-        said = b"".join(out)
-        out.clear()
-        self._out_size = 0
-        self._asked = True
-        return self._take(self._link.exchange(said)) or self._read_slowly()
-
-    def _take(self, data: bytes) -> bool:
-        """Hands a round to the proxies, if all of it is here and looks like one before.
-
-        Otherwise, False, its messages are read one by one.
-        """
-        found = self._familiar.match(data)
-        if found is None:
-            self._link.feed(data)
-            self._familiar.learn(data)
-            return False
-        round, parts = found
-        self.time = parts[1]  # in case it holds no data
-        routes = self._routes
-        taken = 0
-        try:
-            for at, subtype, addr, taken in round:  # noqa: B007 - needed where a proxy raises
-                self.time = time = parts[at - 2]
-                for proxy in routes.get(addr, ()):
-                    proxy.take(subtype, parts[at], time)
-        except BaseException:
-            self._acknowledged = True
-            self._link.feed(data[taken:])  # the rest is for the next reading
-            raise
-        self._asked = False
-        self._in_step = True
-        return True
-
-    def _read_slowly(self) -> bool:
-        """Reads a round message by message, from where an earlier reading has come to."""
-        link = self._link
-        kept, ended = self._backlog.take()
-        over = self._asked and ended  # the round that an earlier read() gave up waiting for
-        if not self._asked:
-            self._out.append(_REQUEST_DATA)
-            self._asked = True
-        elif over:
-            self._asked = self._acknowledged = False
-        self._send_queued()
-        for message in kept:
-            self._dispatch(message)
-        if over:
-            return True
-        deadline = Deadline(self.read_timeout if self._acknowledged else self.timeout, _data)
-        if not (self._acknowledged or link.buffered) and self._take(link.receive(deadline)):
-            return True
-        while True:
-            message = link.next(deadline)
-            type_ = message.type
-            if type_ == _DATA:
-                self._dispatch(message)
-            elif type_ == _SYNCH:
-                self._asked = self._acknowledged = False
-                self._in_step = not (self._backlog or link.buffered)
-                return True
-            elif self._is_data_ack(message) and not self._acknowledged:
-                self._acknowledged = True
-                self.time = message.time  # in case the round holds no data
-                deadline = Deadline(self.read_timeout, _data)
-            elif type_ == _NACK and self._is_data_reply(message):
-                self._asked = False
-                raise PlayerRefused(f"{self.address} refused to send data")
-            else:
-                self.stray += 1
-
-    def _read_pushed(self) -> bool:
-        kept, _ = self._backlog.take()
-        self._send_queued()
-        found = bool(kept)
-        deadline = Deadline(self.read_timeout, _data)
-        message: Message | None
-        for message in kept:
-            self._dispatch(message)
-        while True:
-            message = self._link.waiting()
-            if message is None:
-                if found:
-                    return True
-                message = self._link.next(deadline)
-            if message.type == _DATA:
-                self._dispatch(message)
-                found = True
-            elif message.type != _SYNCH:
-                self.stray += 1
-
-    @staticmethod
-    def _is_data_reply(message: Message) -> bool:
-        return message.interf == _PLAYER.interf and message.subtype == PlayerRequest.DATA
-
-    def _is_data_ack(self, message: Message) -> bool:
-        return self._asked and message.type == _ACK and self._is_data_reply(message)
-
-    def _dispatch(self, message: Message) -> None:
-        self.time = message.time
-        for proxy in self._routes.get(message[2:4], ()):
-            proxy.take(message.subtype, message.payload, message.time)
-
-    def _send_queued(self) -> bool:
-        """Sends what is queued; False if the server has closed."""
-        if not self._out:
-            return True
-        data = b"".join(self._out)
-        self._out.clear()
-        self._out_size = 0
-        return self._link.send(data, self.timeout)
+        reply = self._hearing.reply(addr, subtype, name, self.timeout)
+        return messages.decode(addr.interf, _ACK, subtype, reply)
 
 
 __all__ = ["DEFAULT_PORT", "DEFAULT_TIMEOUT", "PlayerClient"]

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cache
 
-from player.codes import DeviceAddr
-from player.header import FRONT
+from player.codes import DeviceAddr, MessageType
+from player.header import FRONT, TIME
 from player.messages import encode
+
+_DATA = int(MessageType.DATA)
+
+Datum = tuple[DeviceAddr, int, bytes]
+"""Data of a device: its address there, the subtype, the payload."""
+
+MOST_HEADS = 256
+"""Headers of data that are kept: the sizes of blobs differ."""
 
 
 @cache
@@ -37,9 +45,11 @@ class Directory:
         time: float = 0.0,
     ) -> None:
         self.time = time
-        self._drivers: dict[DeviceAddr, str] = {}
+        self.drivers: dict[DeviceAddr, str] = {}
+        """The devices, and the names of their drivers: to be looked at."""
         self._list: bytes | None = None
         self._fronts: dict[tuple[int, int, int, int], bytes] = {}
+        self._heads: dict[tuple[DeviceAddr, int, int], tuple[bytes, bytes]] = {}
         self.place(host, port)
         for addr, driver in (devices or {}).items():
             self.add(addr, driver)
@@ -48,26 +58,26 @@ class Directory:
         """Adds a device; the driver's name is what clients show (at most 62 bytes)."""
         if len(driver.encode()) > 62:
             raise ValueError(f"driver name {driver!r} is longer than 62 bytes")
-        self._drivers[DeviceAddr(*addr)] = driver
+        self.drivers[DeviceAddr(*addr)] = driver
         self._list = None
 
     def remove(self, addr: DeviceAddr) -> None:
         """Removes a device; KeyError if there is none."""
-        del self._drivers[addr]
+        del self.drivers[addr]
         self._list = None
 
     def __contains__(self, addr: object) -> bool:
-        return addr in self._drivers
+        return addr in self.drivers
 
     def __iter__(self) -> Iterator[DeviceAddr]:
-        return iter(self._drivers)
+        return iter(self.drivers)
 
     def __len__(self) -> int:
-        return len(self._drivers)
+        return len(self.drivers)
 
     def driver(self, addr: DeviceAddr) -> str:
         """The driver's name, "" if there is no such device."""
-        return self._drivers.get(addr, "")
+        return self.drivers.get(addr, "")
 
     def place(self, host: str, port: int) -> None:
         """Sets what clients are told in headers and lists: an IPv4 address and a port."""
@@ -77,6 +87,7 @@ class Directory:
         """The address as it stands in headers: 127.0.0.1 is 0x0100007f."""
         self._list = None
         self._fronts.clear()
+        self._heads.clear()
 
     def front(self, interf: int, index: int, type: int, subtype: int) -> bytes:
         """The header of data, or of an answer, from here, up to its timestamp; it is kept."""
@@ -86,9 +97,30 @@ class Directory:
             front = self._fronts[kind] = FRONT.pack(self.wire_host, self.port, *kind)
         return front
 
+    def tell(
+        self, data: Iterable[Datum], wanted: Container[DeviceAddr], time: float
+    ) -> list[bytes]:
+        """Data of the devices that are wanted, as messages from here: parts to be joined."""
+        heads, stamp = self._heads, TIME.pack(time)
+        parts: list[bytes] = []
+        for addr, subtype, payload in data:
+            if addr in wanted:
+                kind = (addr, subtype, len(payload))
+                front, rest = heads.get(kind) or self._head(*kind)
+                parts += (front, stamp, rest, payload)
+        return parts
+
+    def _head(self, addr: DeviceAddr, subtype: int, size: int) -> tuple[bytes, bytes]:
+        """What stands before the timestamp of data of that size, and what between it and them."""
+        head = self.front(*addr, _DATA, subtype), size.to_bytes(8)
+        if len(self._heads) >= MOST_HEADS:
+            self._heads.clear()
+        self._heads[addr, subtype, size] = head
+        return head
+
     def listing(self) -> bytes:
         """The payload of the device list's ACK."""
         if self._list is None:
-            rows = [(self.wire_host, self.port, *addr) for addr in self._drivers]
+            rows = [(self.wire_host, self.port, *addr) for addr in self.drivers]
             self._list = encode(1, 4, 1, devices=rows)
         return self._list

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import select
 import socket
 from collections.abc import Callable
 from time import monotonic
@@ -14,8 +15,11 @@ from player.header import Message, MessageReader
 from player.printable import printable
 from player.transport import hurry, quick_acknowledge
 
-RECEIVE_SIZE = 1 << 16
+RECEIVE_SIZE = 1 << 14
 """Bytes taken from the socket at a time: a round with a scan and blobs is about 1500."""
+
+FLUSH_SIZE = 1 << 16
+"""Bytes in the queue from which on it is to be sent."""
 
 LEAST_WAIT = 1e-3
 """Seconds; a socket timeout of zero would mean not to wait at all."""
@@ -53,8 +57,11 @@ class Link:
         """Why the connection is over; "" while it is not."""
         self.clean = False
         """True if it is over because the server closed it between two messages."""
+        self._queue: list[bytes] = []
+        self._queued = 0
         self._reader = MessageReader()
         self._tcp = place.sock is None
+        self._readable: select.poll | None = None  # of a socket pair
         self._waits: float | None = None
         if place.sock is not None:
             self.address = "the inherited socket"
@@ -100,7 +107,7 @@ class Link:
             message = self._reader.take()
             if message is not None:
                 return message
-            self.feed(self.receive(deadline))
+            self._reader.feed(self.receive(deadline))
 
     @property
     def buffered(self) -> int:
@@ -111,12 +118,28 @@ class Link:
         """What comes next, in a piece as it comes; raises as `next` does."""
         return self._receive(deadline, RECEIVE_SIZE)
 
-    def exchange(self, data: bytes) -> bytes:
-        """Sends, and gives what comes next, without limits of time; raises as these two do."""
+    def queue(self, message: bytes) -> bool:
+        """What is sent next begins with what is in the queue; whether that is long by now."""
+        self._queue.append(message)
+        self._queued += len(message)
+        return self._queued > FLUSH_SIZE
+
+    def exchange(self, message: bytes) -> bytes:
+        """Sends a message behind the queue, and gives what comes next, without limits of time.
+
+        Raises as `send` and `next` do.
+        """
         if self._waits is not None:
             self._set_timeout(None)
+        queue = self._queue
+        queue.append(message)
+        data = b"".join(queue)
+        queue.clear()
+        self._queued = 0
         try:
             self._socket.sendall(data)
+            if not self._tcp:
+                (self._readable or self._watch()).poll()
             got = self._socket.recv(RECEIVE_SIZE)
         except (BrokenPipeError, ConnectionResetError):
             got = self._receive(FOR_EVER, RECEIVE_SIZE)  # its last words
@@ -124,12 +147,22 @@ class Link:
             self._break(error)
         if not got:
             self.end()
-        if self._tcp:
-            quick_acknowledge(self._socket)
         return got
 
+    def _watch(self) -> select.poll:
+        """What waits for data at a socket pair, and for nothing else.
+
+        Linux wakes whoever waits in recv also when the other end has read what was sent: to find
+        nothing, and to wait again.
+        """
+        self._readable = select.poll()
+        self._readable.register(self._socket, select.POLLIN)
+        return self._readable
+
     def feed(self, data: bytes) -> None:
-        """Has `next` begin with what has been received otherwise."""
+        """Has `next` begin with what has been received otherwise: the rest is still to come."""
+        if self._tcp:
+            quick_acknowledge(self._socket)
         self._reader.feed(data)
 
     def waiting(self) -> Message | None:
@@ -171,6 +204,15 @@ class Link:
         raise PlayerTimeout(
             f"{self.address} did not answer within {deadline.limit:g} s ({deadline.what()})"
         ) from None
+
+    def send_queued(self, timeout: float | None) -> bool:
+        """Sends what is in the queue; False if the server has closed: see `send`."""
+        if not self._queue:
+            return True
+        data = b"".join(self._queue)
+        self._queue.clear()
+        self._queued = 0
+        return self.send(data, timeout)
 
     def send(self, data: bytes, timeout: float | None) -> bool:
         """Sends; False if the server has closed: what is received then is its last words.

@@ -32,7 +32,8 @@ class Outbox:
         self.backlog = len(BANNER)
         """Bytes that `take` would give now."""
         self._out: list[bytes] = [BANNER]
-        self._queue: dict[int, bytes] = {}  # in the order of numbers
+        self.queued: dict[int, bytes] = {}
+        """Data that waits in the queue, in the order of numbers: to be looked at."""
         self._number = 0
         self._latest: dict[Kind, int] = {}
         self._rules: list[tuple[int, ...]] = []
@@ -43,9 +44,10 @@ class Outbox:
         self.ignores = False
         """True if some rule may have data ignored."""
 
-    def __bool__(self) -> bool:
-        """True if data waits in the queue."""
-        return bool(self._queue)
+    @property
+    def idle(self) -> bool:
+        """True if the queue is empty, and the next data need not go through it."""
+        return not (self.queued or self.dropped or self.ignores)
 
     def add_rule(self, rule: Values) -> bool:
         """Adds a replace rule, or changes the one with the same pattern; False if it is none."""
@@ -83,7 +85,7 @@ class Outbox:
 
     def queue(self, kind: Kind, message: bytes) -> None:
         """Puts data into the queue, as the replace rules say, if there is room."""
-        queue = self._queue
+        queue = self.queued
         self._number += 1
         if self._rules or self._default != Replace.ACCEPT:
             rule = self._rule_of.get(kind)
@@ -127,13 +129,13 @@ class Outbox:
 
     def release(self) -> None:
         """Lets all data in the queue be written."""
-        if self._queue:
+        if self.queued:
             if not self._out or self._unhurried:
                 self.wake()
-            chunks = self._queue.values()
+            chunks = self.queued.values()
             self._out.extend(chunks)
             self.backlog += sum(map(len, chunks))
-            self._queue.clear()
+            self.queued.clear()
             self._latest.clear()
 
     def take(self) -> bytes:
@@ -151,7 +153,7 @@ class Outbox:
         self._closed = True
         self.limit = 0
         self.notify = self.notify_later = None
-        self._queue.clear()
+        self.queued.clear()
         self._latest.clear()
         self._out.clear()
         self.backlog = 0

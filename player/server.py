@@ -9,21 +9,24 @@ import contextlib
 import errno
 import selectors
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from time import monotonic
 from typing import Any, NamedTuple
 
-from player.directory import Directory
+from player.codes import DataMode
+from player.directory import Datum, Directory
 from player.session import Event, Malformed, Session
 from player.transport import hurry, quick_acknowledge
 
-RECEIVE_SIZE = 1 << 16
+RECEIVE_SIZE = 1 << 14
 """Bytes taken from one connection before the others have their turn."""
 
 MAX_CONNECTIONS = 512
 """Connections accepted over TCP at a time; further ones are closed at once."""
 
 LISTEN_BACKLOG = 128
+
+_PULL = DataMode.PULL
 
 HELD_FOR = 0.05
 """Wall-clock seconds for which the news that a request for data has been heard waits for the data,
@@ -96,6 +99,17 @@ class Connection:
                 server._write(self)
             server._ready.pop(self, None)
             server._held.pop(self, None)
+
+    def publish_round(self, data: Sequence[Datum], time: float) -> None:
+        """All data of a tick, as `Session.publish_round`, and writes it as `flush` does."""
+        session = self.session
+        if self._unsent is None and not self._deaf and self.is_open:
+            piece = session.round_at_once(data, time)
+            if piece is not None:
+                self._server._give(self, piece)
+                return
+        session.publish_round(data, time)
+        self.flush()
 
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
@@ -290,31 +304,44 @@ class Server:
         self._write(connection)  # the banner at once, in one write
 
     def _read(self, connection: Connection) -> None:
-        sock = connection._socket
+        """Takes what has come. Of a client over TCP, what comes for an acknowledgement as well.
+
+        Who writes a command and then a request, with Nagle's algorithm on as in Player's own
+        library, has the request wait until the command is acknowledged.
+        """
+        session = connection.session
+        if not self._receive(connection) or not connection.port or session.waiting:
+            return  # what is said to a client acknowledges what came
+        quick_acknowledge(connection._socket)
+        if session.mode is _PULL:
+            self._receive(connection)
+
+    def _receive(self, connection: Connection) -> bool:
+        """Takes bytes that have come; False if there are none, or will be none any more."""
         try:
-            data = sock.recv(RECEIVE_SIZE)
+            data = connection._socket.recv(RECEIVE_SIZE)
         except (BlockingIOError, InterruptedError):
-            return
+            return False
         except OSError as error:
             self._lose(connection, f"the connection broke: {error.strerror}")
-            return
+            return False
         if not data:
             self._lose(connection, "the client closed the connection")
-            return
-        if connection.port:
-            quick_acknowledge(sock)
+            return False
         self._take(connection, data)
+        return connection.is_open
 
     def _take(self, connection: Connection, data: bytes) -> None:
         session = connection.session
         while True:
-            for event in session.receive(data):
-                self._events.append((connection, event))
-                if type(event) is Malformed:
+            events = session.receive(data)
+            self._events += [(connection, event) for event in events]
+            if session.broken:
+                if events and type(events[-1]) is Malformed:
                     self._write(connection)
                     if connection.is_open:
-                        self._lose(connection, f"not Player's protocol: {event.reason}")
-                    return
+                        self._lose(connection, f"not Player's protocol: {events[-1].reason}")
+                return
             if not session.stalled:
                 return
             self._write(connection)
@@ -361,6 +388,18 @@ class Server:
             session.outgoing()
         if connection._mask != selectors.EVENT_READ:
             self._select(connection, selectors.EVENT_READ)
+
+    def _give(self, connection: Connection, piece: bytes) -> None:
+        """Writes a piece that nothing is before."""
+        self._ready.pop(connection, None)
+        self._held.pop(connection, None)
+        try:
+            sent = connection._socket.send(piece)
+        except OSError:
+            sent = 0  # whatever it is: the plain way finds it again
+        if sent < len(piece):
+            connection._unsent = memoryview(piece)[sent:]
+            self._continue(connection)
 
     def _lose(self, connection: Connection, reason: str) -> None:
         self._drop(connection)

@@ -2,19 +2,10 @@
 
 Bytes go in with `receive`, which gives events; what is to be written comes out of `outgoing`.
 Requests to the server itself (interface `player`) are answered here, and so is whatever is not in
-the protocol. Rules of the queue after Player's TCP server:
-
-- In push mode data goes out as it is published.
-- In pull mode data waits until the client asks (REQ DATA), or until a reply is made: data queued
-  before a reply goes out before it. Once the client has asked and a round holds data, all of it
-  goes out, and a SYNCH ends it.
-- A replace rule lets newer data take the place of older data of its kind in the queue.
+the protocol. What is said to the client, and when, is in `player.telling`.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable, Sequence
-from typing import Any
 
 from player import messages
 from player.codes import (
@@ -25,7 +16,6 @@ from player.codes import (
     Interface,
     MessageType,
     PlayerRequest,
-    Synch,
 )
 from player.directory import Directory
 from player.errors import ProtocolError, XdrError
@@ -40,10 +30,9 @@ from player.events import (
     Subscribed,
     Unsubscribed,
 )
-from player.familiar import Familiar
-from player.header import HEADER, TIME, Message, MessageReader
-from player.outbox import Outbox
-from player.usual import Commands, read_commands
+from player.header import Message, MessageReader
+from player.telling import BACKLOG_LIMIT, Telling
+from player.usual_commands import UsualCommands
 from player.xdr import Values
 
 __all__ = [
@@ -64,23 +53,13 @@ __all__ = [
 MAX_REQUEST = 1 << 20
 """Largest payload that a client may send, bytes: far above any request, 65 thousand points."""
 
-BACKLOG_LIMIT = 1 << 20
-"""Bytes of replies that may wait to be written before no further request is looked at."""
-
-LONGEST_FAMILIAR = 1 << 12
-"""Bytes of the longest piece that is remembered, in case the client sends its like again."""
-
-_PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
+_PLAYER = int(Interface.PLAYER)
+_, _CMD, _REQ, _ACK, _, _NACK = map(int, MessageType)
 
 _ASKED_OF_US = frozenset((_CMD, _REQ))
-_SERVED, _UNSERVED = DataRequested(served=True), DataRequested(served=False)
-_new = tuple.__new__  # a quarter of the time that the named tuple's own constructor takes
-
-Datum = tuple[DeviceAddr, int, bytes]
-"""Data of a device: its address there, the subtype, the payload."""
 
 
-class Session:
+class Session(Telling):
     """The state of one client's connection.
 
     `patient`: the answer to REQ DATA is held back until data goes out with it, in one write. Not
@@ -95,27 +74,12 @@ class Session:
         limit: int = QUEUE_LIMIT,
         max_request: int = MAX_REQUEST,
     ) -> None:
-        self.directory = directory
-        self.patient = patient
-        self.mode = DataMode.PUSH
-        self.subscribed: dict[DeviceAddr, int] = {}
-        """Subscribed devices, and how often each."""
-        self.waiting = False
-        """The client has asked for data and not been served yet."""
+        super().__init__(directory, patient=patient, limit=limit)
         self.broken = False
         """Malformed bytes have come: nothing is read any more."""
-        self.closed = False
-        """`close` has been called."""
         self._reader = MessageReader(max_request)
-        self._outbox = Outbox(limit)
-        self._open_round = False
-        self._held_ack = False
-        self._pending: dict[int, Request] = {}
         self._requests = 0
-        self._familiar = Familiar(read_commands)
-        self._longest = min(LONGEST_FAMILIAR, max_request)
-
-    # -- bytes in ---------------------------------------------------------------------------
+        self._usual = UsualCommands(directory, max_request)
 
     def receive(self, data: bytes) -> list[Event]:
         """Takes bytes from the client, in pieces of any size, and gives what they mean, in order.
@@ -126,12 +90,12 @@ class Session:
         events: list[Event] = []
         if self.broken:
             return events
-        if data and len(data) <= self._longest and not self._reader.buffered:
-            found = self._familiar.match(data)
-            if found is not None and self._outbox.backlog <= BACKLOG_LIMIT:
-                self._do_as_usual(*found, events)
+        if not self._reader.buffered and self._outbox.backlog <= BACKLOG_LIMIT:
+            usual = self._usual.hear(data, events)
+            if usual is not None:
+                if usual.asks and (asked := self._asked(usual.seq)):
+                    events.append(asked)
                 return events
-            self._familiar.learn(data)
         if data:
             self._reader.feed(data)
         try:
@@ -144,30 +108,6 @@ class Session:
             self.broken = True
             events.append(Malformed(str(error)))
         return events
-
-    def _do_as_usual(self, usual: Commands, parts: tuple[Any, ...], events: list[Event]) -> None:
-        for addr, subtype, name, read, at in usual.commands:
-            if addr in self.directory:
-                events.append(_new(Command, (addr, subtype, read(parts[at]), name)))
-            else:
-                events.append(Ignored(f"there is no device {addr}"))
-        if usual.asks:
-            self._ask(usual.seq, events)
-
-    @property
-    def backlog(self) -> int:
-        """Bytes that `outgoing` would give now."""
-        return self._outbox.backlog
-
-    @property
-    def dropped(self) -> int:
-        """Messages lost to a full queue since the last SYNCH."""
-        return self._outbox.dropped
-
-    @property
-    def stalled(self) -> bool:
-        """True if received bytes are left unread until the backlog has been written."""
-        return self._outbox.backlog > BACKLOG_LIMIT
 
     def _handle(self, message: Message, events: list[Event]) -> None:
         interf, index, type_, subtype = message[2:6]
@@ -211,7 +151,8 @@ class Session:
             self._reply(message, _NACK)
             return
         if subtype == PlayerRequest.DATA:
-            self._ask(message.seq, events)
+            if asked := self._asked(message.seq):
+                events.append(asked)
             return
         try:
             values = spec.decode(message.payload) if spec.fields else {}
@@ -288,196 +229,7 @@ class Session:
             self._outbox.release()
         events.append(ModeChanged(self.mode))
 
-    def _ask(self, seq: int, events: list[Event]) -> None:
-        if self.mode is not DataMode.PULL:
-            self._outbox.say(self._data_ack(seq))
-            return
-        if self._held_ack:
-            self._release_ack()  # asked twice: each request has its one answer
-        self.waiting = True
-        if self.patient:
-            self._held_ack = True
-        else:
-            self._outbox.say_later(self._data_ack(seq))
-        if self._outbox and not self._open_round:
-            self._serve()
-            events.append(_SERVED)
-        else:
-            events.append(_UNSERVED)
-
-    def _data_ack(self, seq: int = 0) -> bytes:
-        directory = self.directory
-        front = directory.front(_PLAYER, 0, _ACK, PlayerRequest.DATA)
-        return front + TIME.pack(directory.time) + (seq << 32).to_bytes(8)
-
-    # -- replies ----------------------------------------------------------------------------
-
-    def acknowledge(
-        self, request: Request, message: Values | None = None, time: float | None = None
-    ) -> None:
-        """Answers a request with an ACK that carries `message` (None: nothing).
-
-        `time` is simulated, in seconds; the directory's if left out. Raises KeyError if the
-        request has been answered already, XdrError if `message` is not the reply's layout (the
-        request is refused then, so that its client does not wait).
-        """
-        payload = b""
-        if message is not None:
-            spec = messages.find(request.addr.interf, _ACK, request.subtype)
-            try:
-                if spec is None:
-                    raise XdrError(f"{request.addr}: no reply of subtype {request.subtype}")
-                payload = spec.encode(message)
-            except XdrError:
-                self.refuse(request, time=time)
-                raise
-        self._answer(request, _ACK, payload, time)
-
-    def refuse(self, request: Request, time: float | None = None) -> None:
-        """Answers a request with a NACK; KeyError if it has been answered already."""
-        self._answer(request, _NACK, b"", time)
-
-    def _answer(self, request: Request, type_: int, payload: bytes, time: float | None) -> None:
-        del self._pending[request.number]
-        directory = self.directory
-        header = HEADER.pack(
-            directory.wire_host,
-            directory.port,
-            *request.addr,
-            type_,
-            request.subtype,
-            directory.time if time is None else time,
-            request.seq,
-            len(payload),
-        )
-        self._outbox.release()
-        self._outbox.say(header + payload)
-
-    @property
-    def pending(self) -> list[Request]:
-        """Requests that have not been answered, oldest first."""
-        return list(self._pending.values())
-
-    def _reply(self, message: Message, type_: int, payload: bytes = b"") -> None:
-        self._outbox.release()
-        self._outbox.say(self._header(message, type_, len(payload)) + payload)
-
-    def _header(self, message: Message, type_: int, size: int = 0) -> bytes:
-        directory = self.directory
-        return HEADER.pack(
-            directory.wire_host,
-            directory.port,
-            message.interf,
-            message.index,
-            type_,
-            message.subtype,
-            directory.time,
-            message.seq,
-            size,
-        )
-
-    # -- data out ---------------------------------------------------------------------------
-
-    def publish(self, addr: DeviceAddr, subtype: int, payload: bytes, time: float) -> None:
-        """Queues data of a device, already encoded, if the client has subscribed it.
-
-        It goes out at `end_of_round`, after all of its round. When `limit` messages wait
-        unread, further ones are dropped and the next SYNCH says so.
-        """
-        if addr not in self.subscribed or self.closed:
-            return
-        interf, index = addr
-        front = self.directory.front(interf, index, _DATA, subtype)
-        message = front + TIME.pack(time) + len(payload).to_bytes(8) + payload
-        self._open_round = True
-        self._outbox.queue((interf, index, subtype), message)
-
-    def publish_round(self, data: Sequence[Datum], time: float) -> None:
-        """All data of a tick at once: as `publish` for each, then `end_of_round`.
-
-        Of each device and subtype there is one at the most.
-        """
-        outbox = self._outbox
-        queued = outbox or outbox.dropped or outbox.ignores or len(data) > outbox.limit
-        if queued or self._open_round or not self.waiting:
-            for addr, subtype, payload in data:
-                self.publish(addr, subtype, payload, time)
-            self.end_of_round()
-            return
-        # the client waits, and nothing else does: what it gets is all of this
-        directory, subscribed, stamp = self.directory, self.subscribed, TIME.pack(time)
-        parts: list[bytes] = []
-        for addr, subtype, payload in data:
-            if addr in subscribed:
-                front = directory.front(*addr, _DATA, subtype)
-                parts += (front, stamp, len(payload).to_bytes(8), payload)
-        if not parts:
-            return
-        parts.append(_SYNCH_OK)
-        if self._held_ack:
-            parts.insert(0, self._data_ack())
-        outbox.say(b"".join(parts))
-        self._held_ack = self.waiting = False
-
-    def keep_newest(self) -> None:
-        """Data that waits is no more than the newest of each kind, unless the client has rules."""
-        self._outbox.keep_newest()
-
-    def end_of_round(self) -> None:
-        """All data of a tick has been published: it goes out if the client has asked for it."""
-        self._open_round = False
-        if not self._outbox:
-            return
-        if self.waiting:
-            self._serve()
-        elif self.mode is DataMode.PUSH:
-            self._outbox.wake()
-
-    def _serve(self) -> None:
-        """The queue goes out, then a SYNCH; the client is not waiting any more."""
-        if self._held_ack:
-            self._release_ack()
-        self._outbox.release()
-        dropped = self._outbox.dropped
-        if dropped:
-            payload = messages.encode(_PLAYER, _SYNCH, 2, dropped=min(dropped, 0xFFFFFFFF))
-            header = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OVERFLOW, 0.0, 0, len(payload))
-            self._outbox.say(header + payload)
-            self._outbox.dropped = 0
-        else:
-            self._outbox.say(_SYNCH_OK)
-        self.waiting = False
-
-    def _release_ack(self) -> None:
-        self._held_ack = False
-        self._outbox.say(self._data_ack())
-
-    def on_output(
-        self, notify: Callable[[], None], notify_later: Callable[[], None] | None = None
-    ) -> None:
-        """Calls `notify` from now on whenever `outgoing` starts to have something to say.
-
-        `notify_later` in its place where that is only that a request for data has been heard: it
-        may well travel with the data, but not wait for them as long as clients wait for answers.
-        """
-        self._outbox.notify = notify
-        self._outbox.notify_later = notify_later or notify
-
-    def outgoing(self) -> bytes:
-        """Takes the bytes that are to be written now; b"" if there are none.
-
-        To be called when they can be written: in push mode data waits in the bounded queue
-        until then.
-        """
-        if self.mode is DataMode.PUSH and not self._open_round:
-            self._outbox.release()
-        return self._outbox.take()
-
     def close(self) -> None:
         """The client is gone: nothing is kept for it any more; `subscribed` stays to be read."""
-        self.closed = self.broken = True
-        self.waiting = False
-        self._outbox.close()
-
-
-_SYNCH_OK = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)
+        self.broken = True
+        super().close()

@@ -16,7 +16,7 @@ def hurry(sock: socket.socket) -> None:
 
 
 def quick_acknowledge(sock: socket.socket) -> None:
-    """Acknowledges what has come at once; to be called after every recv.
+    """Acknowledges what has come at once; to be called after every recv that nothing is said to.
 
     Linux takes QUICKACK back by itself. Without it a peer that writes a command and then a
     request, with Nagle's algorithm on as in Player's own library, waits for a delayed ACK.

@@ -218,9 +218,15 @@ class _Fixed:
 
     def values(self, payload: bytes) -> Values:
         """The values of a payload that is of this size, and these numbers alone."""
-        found: Values = {}
-        self.unpack(payload, 0, found)
-        return found
+        flat = self.struct.unpack(payload)
+        for position, top, _ in self._narrow:
+            if flat[position] > top:
+                flat = self._cut(flat)
+                break
+        return {
+            name: flat[start] if make is None else _new(make, flat[start:stop])
+            for name, start, stop, make in self._groups
+        }
 
     def unpack(self, payload: bytes, offset: int, values: Values) -> int:
         end = offset + self.struct.size

@@ -14,8 +14,11 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
 from websockets.exceptions import ConnectionClosed
@@ -88,20 +91,21 @@ def team(folder: Path, count: int, duration: float, repeats: int) -> str:
     return f"{median_speed(repeats, str(path)):.3g} x real time"
 
 
-def watched(folder: Path, repeats: int) -> str:
-    """The price of a page that watches: pairs of runs, without it and with it."""
-    path = str(world(folder, "reader", 300, size=(16, 21), count=4))
+def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str:
+    """The price of pages that watch: pairs of runs, without them and with them."""
+    duration = 600 if count == 4 else 6000 / count
+    path = str(world(folder, "reader", duration, size=hall(count), count=count))
     prices = []
     for _ in range(max(3, repeats)):
         alone = float(str(run_command(path)[0]["speed"]))
-        prices.append(100 * (1 - watched_speed(path) / alone))
+        prices.append(100 * (1 - watched_speed(path, viewers) / alone))
     return f"{statistics.median(prices):.1f} % of the speed"
 
 
-def watched_speed(path: str) -> float:
-    """The speed of a run while somebody draws every moment that comes."""
+def watched_speed(path: str, viewers: int) -> float:
+    """The speed of a run while so many draw every moment that comes."""
     run = subprocess.Popen(
-        [sys.executable, "-m", "troupe", "run", path, "--json", "--view", "--no-open"],
+        [sys.executable, "-m", "troupe", "run", path, "--json", "--quiet", "--view", "--no-open"],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -109,13 +113,19 @@ def watched_speed(path: str) -> float:
     )
     assert run.stderr is not None
     address = next(m[1] for line in run.stderr if (m := re.search(r"http(://\S+)", line)))
-    with (
-        contextlib.suppress(ConnectionClosed),
-        connect(f"ws{address}socket", max_size=None) as page,
-    ):
-        while True:
-            page.recv()
-            page.send('{"do": "seen"}')
+
+    def watch() -> None:
+        with (
+            contextlib.suppress(ConnectionClosed, OSError),
+            connect(f"ws{address}socket", max_size=None) as page,
+        ):
+            while True:
+                page.recv()
+                page.send('{"do": "seen"}')
+
+    watching = [threading.Thread(target=watch, daemon=True) for _ in range(viewers)]
+    for one in watching:
+        one.start()
     return float(json.loads(run.communicate()[0])["speed"])
 
 
@@ -165,7 +175,7 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
     path = folder / "cost.mcap"
     log = open_log(path, loaded, ["all"] if sensors else [], about)
     log.writer.stop()  # what it would do is timed here
-    kept: list[TickState] = []
+    kept: list[Any] = []
     log.writer.put = lambda item, size: kept.append(item)  # type: ignore[method-assign]
     random = np.random.default_rng(1)
     ticks, hooks = [], []
@@ -182,9 +192,10 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
         log.each_tick(engine)
         ticks.append(ended - began)
         hooks.append(perf_counter() - ended)
-    states = [one for one in kept if isinstance(one, TickState)]
+    states: list[Any] = [one for one in kept if isinstance(one, TickState)]
     waiting = sum(map(size_of, states))
     log.writer._write(kept[:], waiting)  # entries and bodies once, and what is compiled
+    states = [one._replace(events=()) for one in states]
     before = log.writer.file.at
     began = process_time()
     log.writer._write(states, waiting)
@@ -193,10 +204,43 @@ def log_cost(folder: Path, count: int, sensors: bool, repeats: int) -> str:
     engine.crew.dismiss()
     engine.server.close()
     tick_time = statistics.median(ticks)
+    hook = statistics.median(hooks)
     return (
-        f"{statistics.median(hooks) / tick_time:.1%} in the tick, "
-        f"{thread / tick_time:.1%} on the thread, {written:.0f} bytes a tick"
+        f"{hook / tick_time:.1%} in the tick ({1e6 * hook:.0f} us of {1e6 * tick_time:.0f}), "
+        f"{thread / tick_time:.1%} on the thread ({1e6 * thread:.0f} us), "
+        f"{written:.0f} bytes a tick"
     )
+
+
+def log_reading(folder: Path) -> str:
+    """How long a log of 1000 robots with all that was sensed takes to open, and to look into."""
+    import troupe  # noqa: PLC0415 - after the path is set
+
+    path = folder / "read.mcap"
+    with troupe.Simulation(
+        world(folder, "null", 1e6), log=path, log_sensors=["all"], controllers=False
+    ) as simulation:
+        simulation.step(60)
+    began = perf_counter()
+    log = troupe.Log(path)
+    opened = perf_counter() - began
+    looks: dict[str, Callable[[Any], Any]] = {
+        "poses": lambda part: part.poses,
+        "a scan": lambda part: part.scans("rover5"),
+    }
+    moments = np.random.default_rng(1).uniform(0.0, log.times[-1], 30).tolist()
+    seeks: dict[str, list[float]] = {what: [] for what in looks}
+    for moment in moments:
+        part = log[moment : moment + 0.1]
+        for what, look in looks.items():
+            began = perf_counter()
+            look(part)
+            seeks[what].append(perf_counter() - began)
+    told = ", ".join(
+        f"{what} of a moment {1e3 * statistics.median(times):.0f} ms (worst {1e3 * max(times):.0f})"
+        for what, times in seeks.items()
+    )
+    return f"opened in {1e3 * opened:.0f} ms; {told}; {path.stat().st_size / 2**20:.0f} MiB"
 
 
 def first_tick(repeats: int) -> str:
@@ -237,60 +281,84 @@ def hall(count: int) -> tuple[int, int]:
 
 
 def in_process(folder: Path, count: int, ticks: int, repeats: int) -> tuple[str, str]:
-    """Speed of moving and sensing without controllers, and nanoseconds per ray of the lasers.
+    """Speed of a simulation that is driven and read from Python, and nanoseconds per ray of lasers.
 
     Both by the processor's time, which other programs on the machine disturb less: simulated
     seconds per second of one core.
     """
-    from sim.build import load  # noqa: PLC0415
-    from sim.scenery import Scenery  # noqa: PLC0415 - after the path is set
+    import troupe  # noqa: PLC0415 - after the path is set
 
-    loaded = load(world(folder, "null", 10, size=hall(count), count=count))
+    random = np.random.default_rng(1)
+    speeds = []
+    path = world(folder, "null", 1e6, size=hall(count), count=count)
+    with troupe.Simulation(path, seed=1, controllers=False) as sim:
+        for _ in range(repeats + 1):
+            began = process_time()
+            for _ in range(ticks):
+                sim.command(forward=0.4, turn=random.standard_normal(count) * 0.5)
+                sim.step()
+                sim.readings("laser").ranges  # noqa: B018 - it is made
+                sim.readings("blobfinder").counts  # noqa: B018
+            speeds.append(0.1 * ticks / (process_time() - began))
+    return (
+        f"{float(f'{statistics.median(speeds[1:]):.3g}'):g} x real time",
+        f"{ray(path):.1f} ns",
+    )
+
+
+def ray(path: Path) -> float:
+    """Nanoseconds of a ray, all lasers of a world in one batch."""
+    from sim.build import load  # noqa: PLC0415 - after the path is set
+    from sim.scenery import Scenery  # noqa: PLC0415
+
+    loaded = load(path)
     field = Scenery(loaded, 1)
     for spec, pose in zip(loaded.robots, field.start_poses, strict=True):
         field.add_robot(spec.name, spec.model, loaded.world.models[spec.model], pose)
-    random = np.random.default_rng(1)
-    robots = np.arange(count)
-    speeds = []
-    for _ in range(repeats + 1):
-        began = process_time()
-        for tick in range(ticks):
-            turns = random.standard_normal(count) * 0.5
-            field.stage.command(robots, np.stack([np.full(count, 0.4), 0 * turns, turns], 1))
-            field.stage.tick()
-            field.refresh()
-            field.odometry.update(field.stage.poses, 0.1, tick)
-            field.suite.sense(tick, 0.1 * tick)
-        speeds.append(0.1 * ticks / (process_time() - began))
+    field.stage.tick()
+    field.refresh()
     lasers = np.zeros(field.suite.slots, bool)
     lasers[0::2] = True
-    rays = []
-    for tick in range(20):
+    times = []
+    for tick in range(21):
         began = process_time()
         field.suite.sense(tick, 0.0, lasers)
-        rays.append((process_time() - began) / (count * 180) * 1e9)
-    return (
-        f"{statistics.median(speeds[1:]):.3g} x real time",
-        f"{statistics.median(rays):.1f} ns",
-    )
+        times.append(process_time() - began)
+    return statistics.median(times[1:]) / (len(loaded.robots) * 180) * 1e9
+
+
+PEERS = (("navground", "C++, no forces, no blobfinder"), ("irsim", "Python, no blobfinder"))
+
+
+def peers(python: str, count: int, ticks: int) -> list[tuple[str, str, str]]:
+    """Rows of other simulators at the same task, as far as an interpreter has them."""
+    rows = []
+    for name, kind in PEERS:
+        script = str(ROOT / "scripts" / "peers.py")
+        done = subprocess.run(
+            [python, script, name, str(count), str(ticks)],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode == 0:
+            known, _, speed = done.stdout.strip().splitlines()[-1].partition(": ")
+            rows.append((f"the same in {known} ({kind})", "", speed))
+        elif "ModuleNotFoundError" not in done.stderr:
+            raise RuntimeError(done.stderr)
+    return rows
 
 
 LOADING = """\
 import resource, sys
 from time import process_time
 sys.path.insert(0, sys.argv[1])
-from sim.scenery import Scenery
-from sim.build import load
+import troupe
 began = process_time()
-loaded = load(sys.argv[2])
-field = Scenery(loaded, 1)
-for spec, pose in zip(loaded.robots, field.start_poses):
-    field.add_robot(spec.name, spec.model, loaded.world.models[spec.model], pose)
-field.stage.tick(); field.refresh(); field.suite.sense(0, 0.0)
-there = process_time()
-for tick in range(1, 4):
-    field.stage.tick(); field.refresh(); field.suite.sense(tick, 0.1 * tick)
-tick = (process_time() - there) / 3 / len(loaded.robots) * 1e6
+with troupe.Simulation(sys.argv[2], seed=1, controllers=False) as sim:
+    sim.readings("laser"), sim.readings("blobfinder")
+    sim.step()
+    there = process_time()
+    sim.step(3)
+    tick = (process_time() - there) / 3 / len(sim.names) * 1e6
 memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 print(f"{there - began:.0f} s to the first reading, {memory:.1f} GB, "
       f"{tick:.1f} us a robot and tick")
@@ -344,6 +412,10 @@ def main() -> None:
     options = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
     options.add_argument("--write", action="store_true", help="into docs/performance.md")
     options.add_argument("--quick", action="store_true", help="one run of each")
+    options.add_argument(
+        "--peers", default=sys.executable, metavar="PYTHON",
+        help="an interpreter that has other simulators (ir-sim, navground), for rows beside ours",
+    )  # fmt: skip
     args = options.parse_args()
     repeats = 1 if args.quick else 5
     sweep = 20 if args.quick else 1000
@@ -364,6 +436,8 @@ def main() -> None:
             ray = found if count == 1000 else ray
             what = f"{count} robots in process, no controllers, one core"
             rows.append((what, f"{target} x real time", speed))
+            if count <= 1000:
+                rows += peers(args.peers, count, max(1, ticks // 10))
         language, raw = raw_rounds(folder, repeats)
         rows += [
             ("100,000 robots in process", "20 s, 2 GB", loading(folder, 100_000)),
@@ -376,6 +450,8 @@ def main() -> None:
             ("`troupe run` to its first tick, caches warm", "0.4 s", first_tick(repeats)),
             ("what a page that watches the four robots costs",
              "under 3 %", watched(folder, repeats)),
+            ("what five such pages cost", "under 3 %", watched(folder, repeats, viewers=5)),
+            ("what a page costs 100 robots", "under 3 %", watched(folder, repeats, 100)),
             (f"{sweep} random placements of Paint in a sweep with two jobs: the runs' own times "
              "over two, as a share of the sweep's", "90 %", placements(folder, sweep)),
             ("a log's share of a tick, 4 robots, sensed, no controllers", "5 % in all, 150 bytes",
@@ -386,6 +462,8 @@ def main() -> None:
              log_cost(folder, 1000, False, repeats)),
             ("the same with --log-sensors all", "15 % in all",
              log_cost(folder, 1000, True, repeats)),
+            ("a log of 1000 robots with all that was sensed is read", "1 s, 50 ms",
+             log_reading(folder)),
         ]  # fmt: skip
     table = "\n".join(
         [

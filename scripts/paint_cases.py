@@ -29,22 +29,29 @@ from sim.result import Result  # noqa: E402
 
 KINDS = ("case_1", "case_2", "case_3", "line", "tall", "convex", "swarm_8", "swarm_12", "swarm_16")
 NOISE = "models.painter.odometry_noise={slip: 0.02, turn: 0.02}"
-NOISY = (("paint_case_1", "0:5"), ("paint_case_2", "0:6"), ("paint_case_3", "0,1,5,6,7"))
-NOISY += (("paint_tall", "3"),)
+NOISY = (
+    ("paint_case_1", "0:5"),
+    ("paint_case_2", "0:6"),
+    ("paint_case_3", "0,1,5,6,7"),
+    ("paint_tall", "3"),
+)
 """Worlds and seeds of the runs whose odometry drifts."""
 TESTS = 5
 """Tests of a case, in scripts/paint/cases.csv."""
 
 JUDGED = ("right", "contacts", "passings", "off_goal", "painted_outside")
-COLUMNS = ("robots", "outcome", *JUDGED, "goal_time", "done_time", "distance", "looks", "waits")
-COLUMNS += ("coverage", "passes", "touches")
+COLUMNS = (
+    *("robots", "outcome", *JUDGED, "goal_time", "done_time", "distance", "looks", "waits"),
+    *("coverage", "passes", "touches"),
+)
 """What the tables hold of a run besides what it was a run of."""
 
 
 def last(result: Result, key: str) -> float | None:
     """The latest of a time that all robots report; None if one does not."""
     times = [robot.properties.get(key) for robot in result.robots]
-    return max(times) if None not in times else None
+    told = [time for time in times if time is not None]
+    return max(told) if len(told) == len(times) else None
 
 
 def total(result: Result, key: str) -> int:
@@ -72,7 +79,9 @@ def kept(row: dict[str, Any], result: Result) -> list[Any]:
 
 def keep_cases(folder: Path, out: Path, *, pictures: bool) -> None:
     """The table of the three cases, and figures 5 and 6 and the phases at the lower speed."""
-    rows, shown, timelines = [], {}, {}
+    rows: list[list[Any]] = []
+    shown: dict[str, list[Result]] = {}
+    timelines: dict[str, Result] = {}
     for row, result in runs(folder):
         assert result is not None, row
         speed = row["models.painter.drive.max_speed"]

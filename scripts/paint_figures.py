@@ -12,6 +12,8 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from sim.result import Result, RobotRecord
 
@@ -46,9 +48,7 @@ def starts_and_goals(tests: Mapping[str, Sequence[Result]], path: Path) -> None:
             for i, robot in enumerate(result.robots):
                 x, y, yaw = robot.start
                 ahead = math.cos(yaw)
-                panel.add_patch(
-                    plt.Rectangle((x - 0.5, y - 0.5), 1, 1, fill=False, ec=f"C{i}", lw=1.2)
-                )
+                panel.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, fill=False, ec=f"C{i}", lw=1.2))
                 panel.plot([x, x + 1.1 * ahead], [y, y], color=f"C{i}", lw=1.2)
                 panel.annotate(orientation(robot), (x, y), fontsize=6, ha="center", va="center")
                 gx, gy = robot.pose[:2]
@@ -87,7 +87,7 @@ def timelines(results: Mapping[str, Result], path: Path) -> None:
         panel.set_title(f"{name}, test 1", fontsize=8)
     panels[-1, 0].set_xlabel("s")
     shown = [phase for phase in COLORS if phase != "done"]
-    handles = [plt.Rectangle((0, 0), 1, 1, color=COLORS[phase]) for phase in shown]
+    handles = [Rectangle((0, 0), 1, 1, color=COLORS[phase]) for phase in shown]
     figure.legend(handles, shown, ncol=len(shown), fontsize=7, loc="upper center")
     save(figure, path)
 
@@ -115,7 +115,7 @@ def contact_sheet(video: Path, path: Path, frames: int = 6, width: int = 330) ->
     cv2.imwrite(str(path), sheet, [cv2.IMWRITE_PNG_COMPRESSION, 9])
 
 
-def save(figure: plt.Figure, path: Path) -> None:
+def save(figure: Figure, path: Path) -> None:
     """Write a figure."""
     figure.tight_layout(rect=(0, 0, 1, 0.97))
     figure.savefig(path, dpi=90)

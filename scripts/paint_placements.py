@@ -60,9 +60,13 @@ def read(path: Path) -> list[Row]:
             Row(
                 line["world"],
                 float(line["jitter"]),
-                *(int(line[key]) for key in ("seed", "robots", "right", "contacts", "swaps")),
-                float(line["seconds"]),
-                line["outcome"],
+                seed=int(line["seed"]),
+                robots=int(line["robots"]),
+                right=int(line["right"]),
+                contacts=int(line["contacts"]),
+                swaps=int(line["swaps"]),
+                seconds=float(line["seconds"]),
+                outcome=line["outcome"],
             )
             for line in csv.DictReader(file)
         ]

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from playwright.sync_api import sync_playwright
@@ -44,14 +45,16 @@ def watch(world: str) -> tuple[subprocess.Popen[str], str]:
 
 
 def take(browser: Any, world: str, ticks: int, robot: int | None, name: str, **looks: Any) -> None:
-    """A picture of the page after so many ticks."""
+    """A picture of the page after so many ticks; of a log, at the tick at which it begins."""
     run, address = watch(world)
     try:
         context = browser.new_context(device_scale_factor=1, **looks)
         page = context.new_page()
         page.goto(address)
-        page.evaluate(REACHED, 0)
-        for tick in range(4, ticks + 1, 4):  # trails have marks on the way
+        page.wait_for_function("() => window.troupe && troupe.state.count > 0")
+        page.evaluate(REACHED, ticks if world.partition("#")[0].endswith(".mcap") else 0)
+        started = page.evaluate("troupe.state.tick")
+        for tick in range(started + 4, ticks + 1, 4):  # trails have marks on the way
             page.evaluate("troupe.link.ask({do: 'step', ticks: 4})")
             page.evaluate(REACHED, tick)
         if robot is not None:
@@ -63,19 +66,30 @@ def take(browser: Any, world: str, ticks: int, robot: int | None, name: str, **l
         run.wait()
 
 
-def main() -> None:
-    """All of them."""
+def main(wanted: list[str]) -> None:
+    """All of them, or those whose names are given."""
+
+    def make(world: str, ticks: int, robot: int | None, name: str, **looks: Any) -> None:
+        if not wanted or name in wanted:
+            take(browser, world, ticks, robot, name, **looks)
+
     found = filter(None, map(shutil.which, ("chromium", "chromium-browser")))
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=next(found), args=["--no-sandbox"])
         desk, phone = {"width": 1200, "height": 780}, {"width": 390, "height": 780}
-        take(browser, "wander", 240, 0, "view.png", viewport=desk)
-        take(
-            browser, "paint_swarm_16", 300, None, "view_phone.png",
+        make("wander", 240, 0, "view.png", viewport=desk)
+        make(
+            "paint_swarm_16", 300, None, "view_phone.png",
             viewport=phone, color_scheme="dark",
         )  # fmt: skip
+        make("docs/viewing/hall.yaml", 76, 0, "view_fault.png", viewport=desk)
+        with TemporaryDirectory() as folder:
+            log = f"{folder}/run.mcap"
+            words = ["run", "paint_case_1", "--duration", "100", "--log", log, "--quiet"]
+            subprocess.run([sys.executable, "-m", "troupe", *words], cwd=ROOT, check=False)
+            make(f"{log}#t=90", 900, 0, "view_log.png", viewport=desk)
         browser.close()
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
+from typing import Protocol
+from weakref import WeakSet
 
 import numpy as np
 
@@ -20,6 +22,13 @@ from sensors.view import Contacts, Touching
 __all__ = ["Group", "Reading", "Suite"]
 
 Wanted = Flags | Callable[[], Flags]
+
+
+class Kept(Protocol):
+    """What shows readings as they are until they are written anew."""
+
+    def keep(self) -> None:
+        """Copy what is still to be shown."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,8 @@ class Suite:
         self._plan: list[Together] = []  # what is done in a tick
         self._version = -1  # of the scene for which that was made
         self._new: dict[int, list[tuple[int, int, int, np.uint64]]] = {}  # by id(group)
+        self.given: WeakSet[Kept] = WeakSet()
+        """Who looks at the readings as they are, and keeps them before they are written anew."""
 
     def add_robot(self, entity: int, name: str, settings: Sequence[SensorSettings]) -> int:
         """Add a robot with its sensors, in Player's order, and return the robot's index.
@@ -88,6 +99,8 @@ class Suite:
             wanted: (slots,) flags, or a function that gives them; all unless given. The readings
                 of the others stay what they were.
         """
+        while self.given:
+            self.given.pop().keep()
         if self._new:
             self._admit()
         flags = wanted() if callable(wanted) else wanted

@@ -16,7 +16,7 @@ from sim.fleet.functions import Controller, Controllers, DirectClient, Functions
 from sim.fleet.launching import environment, kind_of, launch_of, robot_seed
 from sim.ports import Ports, reachable
 from sim.result import RobotRecord
-from sim.robot import Robot, Sprayer
+from sim.robot import MountedSprayer, Robot
 from sim.sensing import Sensing
 from sim.spray import Spraying
 from sim.stage.geometry import wrapped
@@ -70,7 +70,7 @@ class Entry:
             port=self.switchboard.add_port(),
             color=int(self.context.scenery.scene.colors[entity]),
             fiducial=model.fiducial or 0,
-            sprayers=[Sprayer(mount) for mount in model.actuators],
+            sprayers=[MountedSprayer(mount) for mount in model.actuators],
         )
         self.context.admit(robot)
         self.spraying.admit(robot)

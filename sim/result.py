@@ -96,7 +96,8 @@ class Touch:
     """What a hand did to a run, between tick number `tick` and the next.
 
     `what`: put (the robot to a pose x, y, yaw), put_thing (a movable thing, `robot` is its number),
-    drive (a twist vx, vy, wz), pause. Metres, radians, and either per second.
+    drive (a twist vx, vy, wz), take (the robot from its controller), give (it back), pause.
+    Metres, radians, and either per second.
     """
 
     time: float

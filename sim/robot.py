@@ -10,10 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sim.result import RobotRecord
+from sim.view.figure import Figure
 
 if TYPE_CHECKING:
     from sim.devices.switchboard import Port
@@ -22,21 +20,11 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Sprayer:
+class MountedSprayer:
     """One of a robot's sprayers: how it is mounted, and whether it is on."""
 
     mount: schema.Sprayer
     on: bool = False
-
-
-@dataclass
-class Drawing:
-    """A shape of graphics2d; points (k, 2) in metres in the robot's frame, colours 0xRRGGBB."""
-
-    kind: str
-    points: NDArray[np.float64]
-    color: int
-    fill_color: int | None = None
 
 
 @dataclass(eq=False)
@@ -53,7 +41,7 @@ class Robot:
     port: Port
     color: int  # 0xRRGGBB, of its body
     fiducial: int  # the id that it carries, 0 for none
-    sprayers: list[Sprayer]
-    drawings: list[Drawing] = field(default_factory=list)
+    sprayers: list[MountedSprayer]
+    drawings: list[Figure] = field(default_factory=list)
     property_names: set[str] = field(default_factory=set)  # of all that it was told to be
     raw_properties: dict[str, bytes] = field(default_factory=dict)  # those that are no JSON

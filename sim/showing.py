@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from sim.stage.boundary import touchable
 from sim.stage.geometry import placed
 from sim.video.palette import GROUND, mix
 from sim.video.snapshot import Backdrop, Drawing, Shape
+from sim.view.figure import Figure, figures_that_show
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
@@ -20,21 +21,6 @@ if TYPE_CHECKING:
 
 PALE = 0.6
 """The share of the ground's colour in that of things which robots can drive over or under."""
-FARTHEST = 1e6
-"""Metres: figures that reach beyond are not drawn."""
-
-
-class Figure(Protocol):
-    """A shape of graphics2d in its robot's frame: see `sim.robot.Drawing`."""
-
-    @property
-    def kind(self) -> str: ...
-    @property
-    def points(self) -> NDArray[np.float64]: ...
-    @property
-    def color(self) -> int: ...
-    @property
-    def fill_color(self) -> int | None: ...
 
 
 def backdrop_of(loaded: LoadedWorld) -> Backdrop:
@@ -83,13 +69,9 @@ def movables_of(loaded: LoadedWorld) -> list[tuple[Shape, int]]:
 def drawings_of(figures: Sequence[Sequence[Figure]], poses: NDArray[np.float64]) -> list[Drawing]:
     """What robots at poses (n, 3) have drawn, (n,) in their frames, in world coordinates."""
     drawn: list[Drawing] = []
-    for robot, mine in enumerate(figures):
-        for figure in mine:
-            points = np.array(figure.points, float).reshape(-1, 2)
-            if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > FARTHEST:
-                continue
-            kind: Any = figure.kind
-            fill = figure.fill_color
-            at = placed(points, poses[robot])
-            drawn.append(Drawing(kind, at, figure.color, fill is not None, fill))
+    for robot, figure in figures_that_show(figures):
+        kind: Any = figure.kind
+        fill = figure.fill_color
+        at = placed(figure.points, poses[robot])
+        drawn.append(Drawing(kind, at, figure.color, fill is not None, fill))
     return drawn

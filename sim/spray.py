@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.robot import Robot, Sprayer
+from sim.robot import MountedSprayer, Robot
 from sim.stage.floor import FloorPaint
 from sim.stage.stage import NOBODY
 
@@ -19,7 +19,7 @@ class Spraying:
     def __init__(self, floor: FloorPaint) -> None:
         self.floor = floor
         self.painters: list[Robot] = []  # robots that have sprayers
-        self.on: list[tuple[Robot, int, Sprayer]] = []  # in the tick that goes by
+        self.on: list[tuple[Robot, int, MountedSprayer]] = []  # in the tick that goes by
         self.were_on = False
 
     def admit(self, robot: Robot) -> None:

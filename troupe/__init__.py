@@ -61,6 +61,11 @@ def __getattr__(name: str) -> Any:
     return getattr(import_module(module), known)
 
 
+def __dir__() -> list[str]:
+    """What there is to be used, loaded or not yet."""
+    return sorted(__all__)
+
+
 def run(
     world: str | Path | Mapping[str, Any] | World,
     *,

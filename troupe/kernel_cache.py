@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -42,14 +43,16 @@ def distrust_cache() -> None:
     numba itself gives up where a file of its cache is empty, cut or damaged, as after a crash or on
     a full disk. And a kernel of arrays and numbers takes no more than numba's runtime to be read:
     numba itself would first make ready to compile anything, a fifth of a second; whoever compiles
-    does that anyway.
+    does that anyway. Nor does it take the modules of numba in which functions stand that have been
+    compiled into the kernel.
     Changes numba in this process; a second call changes nothing.
     """
-    from numba.core import caching  # noqa: PLC0415 - slow to load
+    from numba.core import caching, environment  # noqa: PLC0415 - slow to load
     from numba.core.runtime.nrt import rtsys  # noqa: PLC0415
 
     file: Any = caching.IndexDataCacheFile
     cache: Any = caching.Cache
+    surroundings: Any = environment
     if hasattr(file, "_troupe"):
         return
     file._troupe = True
@@ -88,6 +91,19 @@ def distrust_cache() -> None:
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
 
+    rebuild = surroundings._rebuild_env
+
+    def environment_of(module: str, constants: Any, name: str) -> Any:
+        known = surroundings.lookup_environment(name)
+        if known is not None or module in sys.modules or not module.startswith("numba."):
+            return rebuild(module, constants, name)
+        made: Any = surroundings.Environment({"__name__": module})  # for Python code
+        made.consts[:] = constants
+        made.env_name = name
+        surroundings.Environment._memo[name] = made
+        return made
+
+    surroundings._rebuild_env = environment_of
     file._dump = lambda self, data: sealed(dump(self, data))
     cache.load_overload = load_unprepared
     cache._load_overload = loaded

@@ -92,12 +92,14 @@ class Log:
     def __init__(self, path: str | Path) -> None:
         self._reader = LogReader(Path(path))
         self._span: contents.Span = contents.ALL
+        self._whole = self
 
     def __getitem__(self, seconds: slice) -> Log:
         if not isinstance(seconds, slice) or seconds.step is not None:
             raise TypeError("a part of a log is log[from:until], in seconds")
         part = object.__new__(Log)
         part._reader = self._reader
+        part._whole = self._whole
         part._span = (
             later(self._span[0], nanoseconds(seconds.start)),
             earlier(self._span[1], nanoseconds(seconds.stop)),
@@ -146,6 +148,8 @@ class Log:
     @cached_property
     def entries(self) -> list[contents.Entry]:
         """Of every robot: when it entered, its name, model and pose."""
+        if self._whole is not self:
+            return self._whole.entries  # which are read once for all parts
         return contents.entries(self._reader)
 
     @property

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from functools import cache
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,26 +12,55 @@ from numpy.typing import NDArray
 from sensors.readings import Readings as Batch
 from sensors.suite import Group, Suite
 
+Rows = NDArray[np.int64] | None
+"""Rows of a batch (k,), or None for all of them."""
 
-@dataclass(frozen=True)
+
 class Readings:
     """One sensor's readings of k robots; row j belongs to robot `robots[j]`.
 
     What a kind of sensor reads stands in attributes of these names, as in `sensors.readings`:
     `ranges` and `bearings` of a laser, `blobs` and `counts` of a blobfinder, `fiducials` and
-    `counts`, `bits` of a bumper, `values` of a sensor of one's own. Arrays are copies.
+    `counts`, `bits` of a bumper, `values` of a sensor of one's own. Arrays are copies, each made
+    when it is asked for; what has not been by the time the sensors read anew is copied then.
     """
 
-    robots: NDArray[np.int64]
-    """(k,) indices of the robots that have the sensor."""
-    time: float
-    """Simulated seconds."""
-    data: Batch
-    """The readings, n = k."""
+    def __init__(self, robots: NDArray[np.int64], time: float, batch: Batch, rows: Rows) -> None:
+        self.robots = robots
+        """(k,) indices of the robots that have the sensor."""
+        self.time = time
+        """Simulated seconds."""
+        self._batch, self._rows = batch, rows
+        self._data: Batch | None = None
+        self._copies: dict[str, NDArray[Any]] = {}
+
+    @property
+    def data(self) -> Batch:
+        """The readings, n = k."""
+        if self._data is None:
+            names = arrays_by_robot(self._batch)
+            self._data = replace(
+                cast(Any, self._batch), **{name: self._copy(name) for name in names}
+            )
+            del self._batch, self._rows
+        return self._data
+
+    def keep(self) -> None:
+        """Copy what may change: the sensors are about to read anew."""
+        self.data  # noqa: B018 - it is made
+
+    def _copy(self, name: str) -> NDArray[Any]:
+        """The rows of an array of the batch, copied once."""
+        if name not in self._copies:
+            value = getattr(self._batch, name)
+            self._copies[name] = value.copy() if self._rows is None else value[self._rows]
+        return self._copies[name]
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__") or name == "data":
+        if name.startswith("_"):
             raise AttributeError(name)
+        if self._data is None and name in arrays_by_robot(self._batch):
+            return self._copy(name)
         return getattr(self.data, name)
 
     def __dir__(self) -> list[str]:
@@ -38,6 +68,14 @@ class Readings:
 
     def __len__(self) -> int:
         return len(self.robots)
+
+    def __repr__(self) -> str:
+        return f"Readings(robots={self.robots!r}, time={self.time!r}, data={self.data!r})"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled or copied: nothing of the run."""
+        self.keep()
+        return vars(self).copy()
 
 
 @dataclass(frozen=True)
@@ -47,7 +85,7 @@ class Place:
     robots: NDArray[np.int64]
     slots: NDArray[np.int64]
     groups: tuple[Group, ...]
-    rows: tuple[NDArray[np.int64], ...]  # per group
+    rows: tuple[Rows, ...]  # per group
     order: NDArray[np.int64]  # of the rows of all groups, one behind the other, by robot
 
 
@@ -81,21 +119,32 @@ def find_sensor(suite: Suite, name: str) -> Place:
         np.array([one[0] for one in found], np.int64),
         np.array([one[1] for one in found], np.int64),
         groups,
-        tuple(np.array([found[j][3] for j in js], np.int64) for js in members),
+        tuple(
+            chosen([found[j][3] for j in js], group)
+            for js, group in zip(members, groups, strict=True)
+        ),
         np.argsort(np.array([j for js in members for j in js], np.int64)),
     )
 
 
+def chosen(rows: list[int], group: Group) -> Rows:
+    """Rows of a group's readings; None where these are all of them, in their order."""
+    everybody = rows == list(range(len(group.robots)))
+    return None if everybody else np.array(rows, np.int64)
+
+
 def readings_of(place: Place, name: str, time: float) -> Readings:
-    """Copies of the readings that stand at `place`.
+    """The readings that stand at `place`; they `keep` what may change when they are told to.
 
     Raises ValueError where robots' sensors differ so much that their readings are no one array.
     """
+    if len(place.groups) == 1:
+        (group,), (rows,) = place.groups, place.rows
+        return Readings(place.robots, time, group.readings, rows)
     batches = [
-        taken(group.readings, rows) for group, rows in zip(place.groups, place.rows, strict=True)
+        Readings(place.robots, time, group.readings, rows).data
+        for group, rows in zip(place.groups, place.rows, strict=True)
     ]
-    if len(batches) == 1:
-        return Readings(place.robots, time, batches[0])
     try:
         joined = join(batches, place.order)
     except ValueError:
@@ -103,24 +152,26 @@ def readings_of(place: Place, name: str, time: float) -> Readings:
             f"the robots' sensors {name!r} differ in their number of samples or elements, so "
             "their readings are no one array: give robots= of one model"
         ) from None
-    return Readings(place.robots, time, joined)
-
-
-def taken(batch: Any, rows: NDArray[np.int64]) -> Any:
-    """A batch of some rows, copied."""
-    n = len(next(value for value in vars(batch).values() if isinstance(value, np.ndarray)))
-    changed = {
-        one.name: value[rows]
-        for one in fields(batch)
-        if isinstance(value := getattr(batch, one.name), np.ndarray)
-        and len(value) == n
-        and one.name not in SHARED
-    }
-    return replace(batch, **changed)
+    return Readings(place.robots, time, joined, None)
 
 
 SHARED = frozenset({"poses", "arcs"})
 """Arrays of a batch that belong to the sensor, not to a robot."""
+
+
+@cache
+def _array_names(kind: type[Batch]) -> tuple[str, ...]:
+    return tuple(one.name for one in fields(cast(Any, kind)) if one.name not in SHARED)
+
+
+def arrays_by_robot(batch: Batch) -> list[str]:
+    """Names of the arrays of a batch that have a row for each robot."""
+    found = [
+        (name, value)
+        for name in _array_names(type(batch))
+        if isinstance(value := getattr(batch, name), np.ndarray) and value.ndim > 0
+    ]
+    return [name for name, value in found if len(value) == len(found[0][1])]
 
 
 def join(batches: list[Any], order: NDArray[np.int64]) -> Any:

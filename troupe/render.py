@@ -17,10 +17,12 @@ def render(
     filmed: Filmed,
     *,
     say: Callable[[str], None] = lambda line: None,
+    progress: Callable[[float, float], None] = lambda time, until: None,
     interrupts: Interrupts | None = None,
 ) -> str | None:
     """Make what is wanted of the run of a log; why it is not whole, if so.
 
+    `progress` is told of each tick its simulated second, and until which one it goes.
     `interrupts` are held from when there is something to lose, and then until the caller releases
     them; a video that is interrupted ends there. Raises LogError, VideoError and UsageError for
     what cannot be, before any file is touched.
@@ -45,10 +47,15 @@ def render(
             return not interrupts.noted
 
         last = None
+        times = playback.states.times.tolist()
+        until: float = times[-1]
+        if filmed.video is None and filmed.at is not None:
+            until = min(until, filmed.at)
         try:
-            for k, time in enumerate(playback.states.times.tolist()):
+            for k, time in enumerate(times):
                 if film.done or not going_on():
                     break
+                progress(time, until)
                 film.shoot(time, partial(playback.present, k), going_on)
             else:
                 last = playback.end()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.fleet.fleet import Fleet
 from sim.interrupts import Interrupts
+from troupe.address import Address, parse_address
 from troupe.filmed import Filmed, Size
 from troupe.setting import Setting, as_text
 from troupe.usage import UsageError
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from troupe.world import World
 
 EachTick = Callable[["Engine"], None]
-Address = str | tuple[str, int]
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def run_file(
     Raises UsageError for an argument that cannot be.
     """
     check_numbers(seed, duration, realtime, patience)
-    address = None if listen is None else parse_listen(listen)
+    address = None if listen is None else parse_address("listen", listen)
     filmed = Filmed(video, video_fps, video_speed, video_size, video_show, picture, at)
     interrupts, own = interrupts or Interrupts(), interrupts is None
     begun = False
@@ -230,21 +230,6 @@ def check_numbers(
         raise UsageError(f"patience: must be above 0, or 0 to wait for ever (given: {patience:g})")
     if seed is not None and not 0 <= seed < 1 << 63:
         raise UsageError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
-
-
-def parse_listen(listen: Address) -> tuple[str, int]:
-    """`HOST:PORT`, or a port alone, as (host, port); raises UsageError."""
-    from sim.worldfile.values import is_host  # noqa: PLC0415 - `troupe --help` stays quick
-
-    if isinstance(listen, str):
-        host, _, port = listen.rpartition(":")
-        number = int(port) if port.isascii() and port.isdecimal() and len(port) < 6 else -1
-    else:
-        host, number = listen
-    host = host.strip("[]") or "127.0.0.1"
-    if not (0 <= number <= 65535 and is_host(host)):
-        raise UsageError(f"listen {listen!r}: must be HOST:PORT, such as 127.0.0.1:6665")
-    return host, number
 
 
 def open_log_of(

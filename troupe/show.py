@@ -1,4 +1,4 @@
-"""What a run shows on standard error while it goes on: a bar, and lines."""
+"""What a run, or what is made of its log, shows on standard error meanwhile: a bar, and lines."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ class Screen:
         self.bar: Any = None
         self.task: Any = None
         self.next_look = 0.0
+        self.since = monotonic()
         if not quiet and sys.stderr.isatty():
             from rich.console import Console  # noqa: PLC0415 - not needed in a pipe
             from rich.progress import BarColumn, Progress, TextColumn  # noqa: PLC0415
@@ -77,24 +78,34 @@ class Screen:
             print(line, file=sys.stderr, flush=True)
 
     def progress(self, engine: Engine) -> None:
-        """Bring the bar up to date, now and then."""
-        if self.bar is not None and self.begun(engine):
+        """Bring the bar of a run up to date, now and then."""
+        if self.bar is not None and self.begun(engine.settings.duration):
             floor = engine.scenery.floor
-            self.bar.update(
-                self.task,
-                completed=engine.time,
-                time=f"{engine.time:.1f} s of {engine.settings.duration:g}",
-                speed=f"{engine.speed or 0.0:.0f} x real time",
-                coverage=f"coverage {floor.coverage:.1%}" if engine.spraying.painters else "",
-                waiting="",
-            )
+            covered = f"coverage {floor.coverage:.1%}" if engine.spraying.painters else ""
+            self.come(engine.time, engine.settings.duration, engine.speed or 0.0, covered)
+
+    def rendered(self, time: float, until: float) -> None:
+        """The same while a log is rendered: simulated seconds so far, and in all."""
+        if self.bar is not None and self.begun(until):
+            self.come(time, until, time / max(monotonic() - self.since, 1e-9), "")
+
+    def come(self, time: float, until: float, speed: float, coverage: str) -> None:
+        """Show how far it has come."""
+        self.bar.update(
+            self.task,
+            completed=time,
+            time=f"{time:.1f} s of {until:g}",
+            speed=f"{speed:.0f} x real time",
+            coverage=coverage,
+            waiting="",
+        )
 
     def waiting(self, engine: Engine) -> None:
         """Tell on the bar for whom the world has been waiting for a while."""
-        if self.bar is not None and self.begun(engine):
+        if self.bar is not None and self.begun(engine.settings.duration):
             self.bar.update(self.task, waiting=awaited(engine.behind(TOLD_AFTER)))
 
-    def begun(self, engine: Engine) -> bool:
+    def begun(self, until: float) -> bool:
         """Whether the bar is there and it is time to look at it again."""
         now = monotonic()
         if now < self.next_look:
@@ -104,7 +115,7 @@ class Screen:
             last_acts.append(show_cursor)
             self.bar.start()
             self.task = self.bar.add_task(
-                "", total=engine.settings.duration, time="", speed="", coverage="", waiting=""
+                "", total=until, time="", speed="", coverage="", waiting=""
             )
         return True
 

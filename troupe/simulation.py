@@ -387,7 +387,9 @@ class Simulation:
         if place is None:
             place = known.places[sensor] = find_sensor(suite, sensor)
             engine.sensing.want(place.slots)
-        return readings_of(place, sensor, self.time)
+        found = readings_of(place, sensor, self.time)
+        suite.given.add(found)
+        return found
 
     # -- what is done -------------------------------------------------------------------------
 
@@ -491,13 +493,13 @@ class Simulation:
         back has its `address`, and `close()`; it goes with this simulation. A second call gives the
         same page. Raises OSError where the address cannot be had.
         """
+        from troupe.address import parse_address  # noqa: PLC0415
         from troupe.live.window import Window  # noqa: PLC0415 - loaded for those who watch
-        from troupe.view_option import parse_address  # noqa: PLC0415
 
         if not self._end.alive or not self._own:
             raise RuntimeError("show: this run is closed, or goes on by itself")
         if self._window is None or self._window.closed:
-            host, port = parse_address("show", address) if isinstance(address, str) else address
+            host, port = parse_address("show", address)
             self._lock = threading.RLock()
             self._window = Window(
                 lambda: self._engine,

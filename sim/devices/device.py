@@ -22,6 +22,8 @@ from sim.scenery import Scenery
 
 Values = Mapping[str, Any]
 Action = Callable[[], None]
+Twist = tuple[float, float, float]
+"""A velocity: m/s ahead and to the left, rad/s."""
 
 FARTHEST = 1e6
 """Metres, radians, and either per second: what a client commands beyond that is cut to it."""
@@ -49,14 +51,14 @@ class Context:
     held: bool = False  # by somebody who watches: no controller is to blame for the wait
     client: Connection | None = None
     complaints: list[tuple[Robot, str]] = field(default_factory=list)
-    pending: dict[int, dict[Hashable, tuple[Action, Connection | None]]] = field(
+    pending: dict[int, dict[Hashable, tuple[Action | Twist, Connection | None]]] = field(
         default_factory=dict
     )
     puts: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
     # robots that are to be put at poses, by the robot whose client asked
     thing_puts: dict[int, dict[str, tuple[float, float, float]]] = field(default_factory=dict)
     # the same of obstacles, by their names
-    twists: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    twists: dict[int, Twist] = field(default_factory=dict)
     changes: int = 0  # how many there have been: what they bring about is looked for after one
     resets: int = 0  # how often `reset` was asked for and is to be carried out
 
@@ -71,11 +73,19 @@ class Context:
         With a `key` it takes the place of the robot's earlier action of that key, as the last
         command wins: what a client sends while the world waits does not pile up.
         """
-        actions = self.pending.setdefault(robot.index, {})
-        if key is None:
-            key = action
-        elif key in actions:
-            del actions[key]
+        self.put_off(robot, action, action if key is None else key)
+
+    def drive_later(self, robot: Robot, twist: Twist, key: Hashable) -> None:
+        """As `later` with a key, of an action that is `drive` with this velocity."""
+        self.put_off(robot, twist, key)
+
+    def put_off(self, robot: Robot, action: Action | Twist, key: Hashable) -> None:
+        """Note what is to be done, or how the robot is to be driven, at the next command phase."""
+        actions = self.pending.get(robot.index)
+        if actions is None:
+            self.pending[robot.index] = {key: (action, self.client)}
+            return
+        actions.pop(key, None)
         actions[key] = action, self.client
 
     def complain(self, robot: Robot, what: str) -> None:
@@ -109,6 +119,9 @@ class Context:
             self.changes += len(pending)
             for robot in sorted(pending):
                 for action, client in pending[robot].values():
+                    if isinstance(action, tuple):
+                        self.twists[robot] = action
+                        continue
                     try:
                         action()
                     except Exception as error:
@@ -121,7 +134,7 @@ class Context:
             self.twists.clear()
         return failed
 
-    def drive(self, robot: Robot, twist: tuple[float, float, float]) -> None:
+    def drive(self, robot: Robot, twist: Twist) -> None:
         """Within an action: a velocity, in place of whatever was commanded before it."""
         self.twists[robot.index] = twist
 

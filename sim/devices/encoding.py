@@ -101,48 +101,38 @@ class Encodings:
         return encoder
 
 
-class Alike:
-    """Messages that are all of one length: rows that are filled anew in each round.
+class ScanRows:
+    """laser SCAN (subtype 1) of a group's rows: they lie ready, and their ranges are written."""
 
-    `make(group)` gives the rows with all that never changes, `fill(rows, group)` writes the rest.
-    """
-
-    def __init__(
-        self,
-        make: Callable[[Group], NDArray[Any]],
-        fill: Callable[[NDArray[Any], Group], None],
-    ) -> None:
-        self.make = make
-        self.fill = fill
-        self.rows: NDArray[Any] = np.zeros(0)
+    def __init__(self) -> None:
+        self.rows = SCAN.rows(0, ranges=0, intensity=0)
+        self.words = np.zeros((0, 0), np.uint32)
+        self.farthest = 0.0
 
     def __call__(self, group: Group) -> Sequence[bytes]:
+        scans: Any = group.readings
         if len(self.rows) != len(group.rows):
-            self.rows = self.make(group)
-        self.fill(self.rows, group)
-        size, data = self.rows.itemsize, self.rows.tobytes()
-        return [data[start : start + size] for start in range(0, len(data), size)]
+            self.make(len(group.rows), scans)
+        ranges = np.ascontiguousarray(scans.ranges, np.float64)  # of a sensor of one's own
+        hits = np.ascontiguousarray(scans.hits, np.int32)
+        write_ranges(ranges, hits, group.rows, self.farthest, self.words, SCAN.head.size // 4)
+        return pieces(self.rows)
+
+    def make(self, number: int, scans: Any) -> None:
+        """All that never changes."""
+        self.rows = rows = SCAN.rows(number, ranges=scans.ranges.shape[1], intensity=0)
+        rows["min_angle"] = -scans.fov / 2
+        rows["max_angle"] = scans.fov / 2
+        rows["resolution"] = scans.resolution
+        rows["max_range"] = scans.max_range
+        self.words = rows.view(np.uint32).reshape(number, rows.itemsize // 4)
+        self.farthest = last_before(scans.max_range, "f4")
 
 
-def make_scans(group: Group) -> NDArray[Any]:
-    """laser SCAN (subtype 1)."""
-    scans: Any = group.readings
-    rows = SCAN.rows(len(group.rows), ranges=scans.ranges.shape[1], intensity=0)
-    rows["min_angle"] = -scans.fov / 2
-    rows["max_angle"] = scans.fov / 2
-    rows["resolution"] = scans.resolution
-    rows["max_range"] = scans.max_range
-    return rows
-
-
-def fill_scans(rows: NDArray[Any], group: Group) -> None:
-    """The ranges of SCAN."""
-    scans: Any = group.readings
-    farthest = last_before(scans.max_range, "f4")
-    words = rows.view(np.uint32).reshape(len(rows), rows.itemsize // 4)
-    ranges = np.ascontiguousarray(scans.ranges, np.float64)  # of a sensor of one's own
-    hits = np.ascontiguousarray(scans.hits, np.int32)
-    write_ranges(ranges, hits, group.rows, farthest, words, SCAN.head.size // 4)
+def pieces(rows: NDArray[Any]) -> list[bytes]:
+    """Each row's bytes."""
+    size, data = rows.itemsize, rows.tobytes()
+    return [data[start : start + size] for start in range(0, len(data), size)]
 
 
 def wanted(group: Group, array: NDArray[Any]) -> NDArray[Any]:
@@ -176,17 +166,17 @@ def last_before(max_range: float, kind: str) -> float:
         return float(np.nextafter(end, np.zeros((), kind)))
 
 
-def plain(form: layouts.Form, values: Callable[[Group], NDArray[np.float64]]) -> Alike:
-    """Messages of one array and nothing else: a row of values each."""
+def plain(form: layouts.Form, values: Callable[[Group], NDArray[np.float64]]) -> Encode:
+    """Encodes messages of one array and nothing else: a row of values each."""
     [name] = form.arrays
 
-    def make(group: Group) -> NDArray[Any]:
-        return form.rows(len(group.rows), **{name: values(group).shape[1]})
+    def encode(group: Group) -> Sequence[bytes]:
+        found = values(group)
+        rows = form.rows(len(found), **{name: found.shape[1]})
+        rows[name] = found
+        return pieces(rows)
 
-    def fill(rows: NDArray[Any], group: Group) -> None:
-        rows[name] = values(group)
-
-    return Alike(make, fill)
+    return encode
 
 
 def ranges(group: Group) -> NDArray[np.float64]:
@@ -232,7 +222,7 @@ def encode_blobs(group: Group) -> Sequence[bytes]:
 
 
 ENCODERS: dict[str, Callable[[], Encode]] = {
-    "scans": lambda: Alike(make_scans, fill_scans),
+    "scans": ScanRows,
     "ranges": lambda: plain(RANGES, ranges),
     "intensities": lambda: plain(INTENSITIES, intensities),
     "sonar": lambda: plain(SONAR, sonar),

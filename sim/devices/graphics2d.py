@@ -9,7 +9,8 @@ import numpy as np
 from player import DeviceAddr
 from player.codes import Interface
 from sim.devices.device import FARTHEST, Context, Refused, Values
-from sim.robot import Drawing, Robot
+from sim.robot import Robot
+from sim.view.figure import Figure
 
 MAX_DRAWINGS = 2_000
 """Shapes kept of one robot: older ones go."""
@@ -24,7 +25,7 @@ class Graphics2d:
         self.context = context
         self.robot = robot
         self.addr = DeviceAddr(Interface.GRAPHICS2D, 0)
-        self.drawings: list[Drawing] = []  # as they are going to be
+        self.drawings: list[Figure] = []  # as they are going to be
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ()
@@ -50,7 +51,7 @@ class Graphics2d:
             return
         far = np.abs(points).max(axis=1, initial=FARTHEST, keepdims=True)
         points = np.clip(points * (FARTHEST / far), -FARTHEST, FARTHEST)  # in its direction
-        drawings.append(Drawing(name, points, rgb(values["color"]), fill))
+        drawings.append(Figure(name, points, rgb(values["color"]), fill))
         del drawings[:-MAX_DRAWINGS]
         while sum(len(drawing.points) for drawing in drawings) > MAX_POINTS:
             del drawings[0]

@@ -72,6 +72,11 @@ class Position2d:
 
     def command(self, name: str, values: Values) -> None:
         """Obey, within the drive's limits; at what is no number the robot stops."""
+        if name == "velocity":
+            (vx, vy, wz), most = values["vel"], FARTHEST
+            if most >= vx >= -most and most >= vy >= -most and most >= wz >= -most:
+                self.context.drive_later(self.robot, (vx, vy, wz), DRIVE)
+                return
         obey = self.obeys.get(name)
         if obey is None:
             return

@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterable
 
 from player import messages
 from player.codes import DeviceAddr, MessageType
-from player.directory import Directory
+from player.directory import Datum, Directory
 from player.events import Command, Request
 from player.server import Connection
-from player.session import Datum
 from sim.devices.device import Context, Device, Refused
 from sim.robot import Robot
 
@@ -45,7 +44,7 @@ class Switchboard:
         self.context = context
         self.say = say
         self.complained: dict[Connection, set[Robot]] = {}  # people have been told, of these robots
-        self.ports: dict[int, Port] = {}  # by the identity of the directory
+        self.ports: dict[Directory, Port] = {}
         self.reached: dict[Port, None] = {}  # those that clients can come to
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
@@ -56,12 +55,12 @@ class Switchboard:
     def add_port(self) -> Port:
         """A new port that serves nothing yet."""
         port = Port()
-        self.ports[id(port.directory)] = port
+        self.ports[port.directory] = port
         return port
 
     def port(self, connection: Connection) -> Port:
         """The port that a connection came in by."""
-        return self.ports[id(connection.session.directory)]
+        return self.ports[connection.session.directory]
 
     def stamp(self, time: float) -> None:
         """Replies carry this simulated time from now on."""
@@ -106,7 +105,7 @@ class Switchboard:
     def command(self, connection: Connection, event: Command) -> Device:
         """Pass a command to its device, which is returned."""
         context = self.context
-        device = self.ports[id(connection.session.directory)].devices[event.addr]
+        device = self.ports[connection.session.directory].devices[event.addr]
         paused = context.paused
         context.client = connection
         try:
@@ -163,7 +162,6 @@ class Switchboard:
         """
         failed = []
         for connection, devices in self.connections.items():
-            session = connection.session
             data: list[Datum] = []
             try:
                 for device, addr in devices.items():
@@ -171,8 +169,7 @@ class Switchboard:
                         data.append((addr, subtype, payload))
             except Exception as error:
                 failed.append((connection, error))
-            session.publish_round(data, time)
-            connection.flush()
+            connection.publish_round(data, time)
         return failed
 
     def show_again(self, connection: Connection, time: float) -> None:

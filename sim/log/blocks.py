@@ -1,15 +1,17 @@
-"""Messages of one size as one array of MCAP's Message records, ready to be written."""
+"""Messages of one size as one array of MCAP's Message records, written in a few numpy calls."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mcap.opcode import Opcode
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from sim.log.cdr import HEAD
+from sim.log.layouts import Layout, Values
 
 PREFIX = np.dtype(
     [
@@ -26,37 +28,44 @@ PREFIX = np.dtype(
 
 @dataclass(frozen=True)
 class Block:
-    """Records (count, size) of messages with their channels (count,) and log times (count,), ns."""
+    """Messages of one layout, numbered by `shape`, and what is written into them.
 
-    records: NDArray[np.uint8]
+    channels, times (log times, ns): arrays that broadcast to `shape`. values: by a field's path.
+    """
+
+    layout: Layout
+    shape: tuple[int, ...]
     channels: NDArray[np.uint16]
     times: NDArray[np.uint64]
+    values: Mapping[str, Values]
+
+    @property
+    def count(self) -> int:
+        """Messages."""
+        return math.prod(self.shape)
+
+    @property
+    def record(self) -> int:
+        """Bytes of a message's record."""
+        return PREFIX.itemsize + self.layout.size
+
+    def write(self, out: NDArray[np.uint8]) -> None:
+        """Write the records into (count * record,) bytes, one after the other."""
+        prefix = np.zeros(self.shape, PREFIX)
+        prefix["opcode"] = Opcode.MESSAGE
+        prefix["length"] = self.record - 9
+        prefix["channel"] = self.channels
+        prefix["log_time"] = prefix["publish_time"] = self.times
+        rows = out.reshape(-1, self.record)
+        rows[:, : PREFIX.itemsize] = prefix.view(np.uint8).reshape(-1, PREFIX.itemsize)
+        rows[:, PREFIX.itemsize :] = self.layout.message
+        self.layout.fill(out, PREFIX.itemsize, self.shape, self.values)
 
 
-def block(
-    bodies: NDArray[np.uint8], channels: ArrayLike, sequences: ArrayLike, times: ArrayLike
-) -> Block:
-    """Records of messages whose data behind CDR's head are `bodies` (count, size).
-
-    channels, sequences and times (ns): (count,) each, or one for all.
-    """
-    count, size = bodies.shape
-    prefix = np.zeros(count, PREFIX)
-    prefix["opcode"] = Opcode.MESSAGE
-    prefix["length"] = PREFIX.itemsize - 9 + len(HEAD) + size
-    prefix["channel"] = channels
-    prefix["sequence"] = sequences
-    prefix["log_time"] = prefix["publish_time"] = times
-    records = np.empty((count, PREFIX.itemsize + len(HEAD) + size), np.uint8)
-    records[:, : PREFIX.itemsize] = prefix.view(np.uint8).reshape(count, -1)
-    records[:, PREFIX.itemsize : PREFIX.itemsize + len(HEAD)] = np.frombuffer(HEAD, np.uint8)
-    records[:, PREFIX.itemsize + len(HEAD) :] = bodies
-    return Block(records, prefix["channel"].copy(), prefix["log_time"].copy())
-
-
-def single(data: bytes, channel: int, sequence: int, time: int) -> Block:
+def single(data: bytes, channel: int, time: int) -> Block:
     """One message of its own size; `data` with CDR's head, time in ns."""
-    return block(np.frombuffer(data, np.uint8)[None, len(HEAD) :], channel, sequence, time)
+    alone = Layout(np.frombuffer(data, np.uint8), {})
+    return Block(alone, (1,), np.array(channel, np.uint16), np.array(time, np.uint64), {})
 
 
 ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
@@ -64,35 +73,44 @@ INDEX = np.dtype([("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("byt
 PLACE = np.dtype([("channel", "<u2"), ("offset", "<u8")])
 
 
+class Indexes(NamedTuple):
+    """The MessageIndex records of a chunk."""
+
+    records: bytes
+    places: NDArray[Any]
+    """PLACE of each channel that has messages: where its record begins in `records`."""
+    counts: NDArray[np.int64]
+    """How many messages each of these channels has."""
+
+
 def message_indexes(
     channels: NDArray[np.uint16], times: NDArray[np.uint64], offsets: NDArray[np.uint64]
-) -> tuple[NDArray[np.uint8], NDArray[Any]]:
-    """The MessageIndex records of a chunk's messages, and where each channel's begins (PLACE).
-
-    channels, times, offsets: (count,) of the messages in the order in which they stand.
-    """
-    order = np.lexsort((times, channels))  # readers expect a channel's messages in order of time
+) -> Indexes:
+    """The indexes of messages (count,) in the order in which they stand."""
+    # readers expect a channel's messages in order of time
+    order = np.argsort(times, kind="stable")
+    order = order[np.argsort(channels[order], kind="stable")]
     ranked = channels[order]
     firsts = np.flatnonzero(np.r_[True, ranked[1:] != ranked[:-1]])
     counts = np.diff(np.r_[firsts, len(ranked)])
     entries = np.empty(len(order), ENTRY)
     entries["time"], entries["offset"] = times[order], offsets[order]
-    heads = np.zeros(len(firsts), INDEX)
-    heads["opcode"] = Opcode.MESSAGE_INDEX
-    heads["channel"] = ranked[firsts]
-    heads["bytes"] = ENTRY.itemsize * counts
-    heads["length"] = heads["bytes"] + 6
-    starts = INDEX.itemsize * np.arange(len(firsts)) + ENTRY.itemsize * firsts
-    out = np.empty(INDEX.itemsize * len(firsts) + ENTRY.itemsize * len(order), np.uint8)
-    paste(out, starts, heads)
-    ranks = np.repeat(np.arange(1, len(firsts) + 1), counts)
-    paste(out, ENTRY.itemsize * np.arange(len(order)) + INDEX.itemsize * ranks, entries)
     places = np.empty(len(firsts), PLACE)
-    places["channel"], places["offset"] = ranked[firsts], starts
-    return out, places
-
-
-def paste(out: NDArray[np.uint8], at: NDArray[Any], rows: NDArray[Any]) -> None:
-    """Write rows (count,) of packed records at byte offsets (count,)."""
-    size = rows.dtype.itemsize
-    out[at[:, None] + np.arange(size)] = rows.view(np.uint8).reshape(len(rows), size)
+    places["channel"] = ranked[firsts]
+    parts, at = [], 0
+    for count in np.unique(counts).tolist():  # records of one size go together
+        which = np.flatnonzero(counts == count)
+        size = INDEX.itemsize + ENTRY.itemsize * count
+        heads = np.empty(len(which), INDEX)
+        heads["opcode"] = Opcode.MESSAGE_INDEX
+        heads["length"] = size - 9
+        heads["channel"] = ranked[firsts[which]]
+        heads["bytes"] = ENTRY.itemsize * count
+        rows = np.empty((len(which), size), np.uint8)
+        rows[:, : INDEX.itemsize] = heads.view(np.uint8).reshape(len(which), -1)
+        own = entries[firsts[which, None] + np.arange(count)]
+        rows[:, INDEX.itemsize :] = own.view(np.uint8).reshape(len(which), -1)
+        places["offset"][which] = at + size * np.arange(len(which))
+        parts.append(rows.tobytes())
+        at += rows.size
+    return Indexes(b"".join(parts), places, counts)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -141,69 +140,6 @@ def _numbers(dtype: np.dtype[Any], data: bytes, at: int, count: int) -> tuple[ND
     if end > len(data):
         raise ValueError("a message ends too early")
     return np.frombuffer(data, dtype, count, at), end
-
-
-Place = tuple[np.dtype[Any], slice | NDArray[np.intp]]
-
-
-@dataclass(frozen=True)
-class Template:
-    """The bytes of a message of one fixed size, into which numpy pastes many messages' values."""
-
-    body: NDArray[np.uint8]
-    """(8 * k,) the message behind its head, filled up so that all its numbers lie aligned."""
-    size: int
-    """Bytes of the message, its head included."""
-    places: Mapping[str, Place]
-    """By a field's path: its type, and which elements of the body, seen in that type, are it."""
-
-    def filled(self, count: int, values: Mapping[str, Any]) -> NDArray[np.uint8]:
-        """Messages (count, size): `values` by path, each (count,) or (count, k) or one for all."""
-        bodies = np.empty((count, len(self.body)), np.uint8)
-        bodies[:] = self.body
-        for path, value in values.items():
-            dtype, where = self.places[path]
-            numbers = np.asarray(value)
-            if numbers.ndim == 1:
-                numbers = numbers[:, None]
-            bodies.view(dtype)[:, where] = numbers
-        return bodies[:, : self.size - len(HEAD)]
-
-    def read(self, messages: NDArray[np.uint8], path: str) -> NDArray[Any]:
-        """The values (count, k) of a field of messages (count, size)."""
-        dtype, where = self.places[path]
-        first, last = (
-            (where.start, where.stop)
-            if isinstance(where, slice)
-            else (int(where.min()), int(where.max()) + 1)
-        )
-        size = dtype.itemsize
-        part = np.ascontiguousarray(messages[:, len(HEAD) + first * size : len(HEAD) + last * size])
-        found = part.view(dtype) if part.size else np.zeros((len(messages), 0), dtype)
-        return found if isinstance(where, slice) else found[:, where - first]
-
-
-def template(name: str, values: Mapping[str, Any]) -> Template:
-    """A template of a type whose arrays and texts are as long as those of `values`."""
-    encoder = Encoder(traced=True)
-    encoder.message(name, values)
-    size = len(encoder.data)
-    body = np.frombuffer(bytes(encoder.data) + bytes(-size % 8), np.uint8)
-    places: dict[str, Place] = {}
-    for path, at in encoder.places.items():
-        if not at:
-            continue
-        dtype = encoder.kinds.get(path, np.dtype("u1"))
-        places[path] = (dtype, _elements(at, dtype.itemsize))
-    return Template(body, size + len(HEAD), places)
-
-
-def _elements(at: Sequence[int], size: int) -> slice | NDArray[np.intp]:
-    """Byte offsets as elements of `size` bytes: a slice where they follow each other."""
-    first = at[0] // size
-    if at[-1] - at[0] == (len(at) - 1) * size:
-        return slice(first, first + len(at))
-    return np.array(at, np.intp) // size
 
 
 def stamp(time: float) -> dict[str, int]:

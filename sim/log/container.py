@@ -15,14 +15,17 @@ import zstandard
 from mcap import records as mcap
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
+from numpy.typing import NDArray
 
-from sim.log.blocks import Block, message_indexes
+from sim.log.blocks import Block, Indexes, message_indexes
 from sim.log.definitions import whole
 
 MAGIC = b"\x89MCAP0\r\n"
-CHUNK = struct.Struct("<BQQQQI")
+CHUNK_HEAD = struct.Struct("<QQQI")
+"""How a Chunk record begins: first and last time (ns), bytes of its records, their CRC32."""
 LEVEL = 1
 """Of zstd; higher ones cost more than they save (a hundredth at 3)."""
+NO_CRC = 0
 
 
 class Vanished(OSError):
@@ -71,14 +74,31 @@ class Tail:
     chunks: list[bytes] = field(default_factory=list)
     attachments: list[mcap.McapRecord] = field(default_factory=list)
     metadata: list[mcap.McapRecord] = field(default_factory=list)
-    counts: dict[int, int] = field(default_factory=dict)
+    counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(64, np.int64))
+    """Messages by channel."""
     first: int | None = None  # ns
     last: int = 0
 
-    def count(self, channels: np.ndarray, start: int, end: int) -> None:
-        numbers, counts = np.unique(channels, return_counts=True)
-        for number, count in zip(numbers.tolist(), counts.tolist(), strict=True):
-            self.counts[number] = self.counts.get(number, 0) + count
+    def chunk(
+        self, indexes: Indexes, start: int, end: int, at: int, length: int, packed: int, size: int
+    ) -> None:
+        """Note a chunk of `length` bytes at an offset, its indexes behind it.
+
+        start, end: of its messages' times, ns. packed, size: bytes of its records.
+        """
+        places = indexes.places.copy()
+        places["offset"] += at + length
+        body = (
+            struct.pack("<QQQQI", start, end, at, length, places.nbytes)
+            + places.tobytes()
+            + struct.pack("<QI4sQQ", len(indexes.records), 4, b"zstd", packed, size)
+        )
+        self.chunks.append(struct.pack("<BQ", Opcode.CHUNK_INDEX, len(body)) + body)
+        most = int(places["channel"].max()) + 1
+        if most > len(self.counts):
+            more = np.zeros(max(most, 2 * len(self.counts)) - len(self.counts), np.int64)
+            self.counts = np.concatenate([self.counts, more])
+        self.counts[places["channel"]] += indexes.counts
         self.first = start if self.first is None else min(start, self.first)
         self.last = max(end, self.last)
 
@@ -92,9 +112,11 @@ class Tail:
         statistics = mcap.Statistics(
             attachment_count=len(self.attachments),
             channel_count=len(self.channels),
-            channel_message_counts=self.counts,
+            channel_message_counts={
+                number: count for number, count in enumerate(self.counts.tolist()) if count
+            },
             chunk_count=len(self.chunks),
-            message_count=sum(self.counts.values()),
+            message_count=int(self.counts.sum()),
             message_end_time=self.last,
             message_start_time=self.first or 0,
             metadata_count=len(self.metadata),
@@ -138,7 +160,9 @@ class LogFile:
         self.at = 0
         self.tail = Tail()
         self.channels = Channels()
-        self.compressor = zstandard.ZstdCompressor(level=LEVEL)
+        # zstd's own checksum: CRC32 takes longer than the compression of what compresses well
+        self.compressor = zstandard.ZstdCompressor(level=LEVEL, write_checksum=True)
+        self.room = np.empty(1 << 16, np.uint8)  # for a chunk's records, used again
         self.append(MAGIC + written(mcap.Header("ros2", library)))
 
     def append(self, *parts: bytes | memoryview) -> int:
@@ -178,28 +202,31 @@ class LogFile:
             return
         new = self.channels.new
         head = b"".join(written(record) for record in new)
-        data = b"".join([head, *(one.records.tobytes() for one in blocks)])
-        channels = np.concatenate([one.channels for one in blocks])
-        times = np.concatenate([one.times for one in blocks])
-        sizes = np.repeat([one.records.shape[1] for one in blocks], [len(b.times) for b in blocks])
-        offsets = (len(head) + np.cumsum(sizes) - sizes).astype(np.uint64)
+        sizes = [one.count * one.record for one in blocks]
+        size = len(head) + sum(sizes)
+        if size > len(self.room):
+            self.room = np.empty(size + size // 4, np.uint8)
+        data = self.room[:size]
+        data[: len(head)] = np.frombuffer(head, np.uint8)
+        offsets, at = [], len(head)
+        for one, length in zip(blocks, sizes, strict=True):
+            one.write(data[at : at + length])
+            offsets.append(np.arange(at, at + length, one.record))
+            at += length
+        channels = np.concatenate([spread(one.channels, one.shape) for one in blocks])
+        times = np.concatenate([spread(one.times, one.shape) for one in blocks])
         start, end = int(times.min()), int(times.max())
-        packed = self.compressor.compress(data)
-        length = CHUNK.size - 9 + 4 + 4 + 8 + len(packed)
+        packed = self.compressor.compress(data.data)
         prefix = (
-            CHUNK.pack(Opcode.CHUNK, length, start, end, len(data), zlib.crc32(data))
+            CHUNK_HEAD.pack(start, end, size, NO_CRC)
             + b"\x04\0\0\0zstd"
             + struct.pack("<Q", len(packed))
         )
-        indexes, places = message_indexes(channels, times, offsets)
-        at = self.append(prefix, packed, indexes.data)
-        places["offset"] += at + 9 + length
-        self.tail.chunks.append(
-            chunk_index(
-                start, end, at, 9 + length, places.tobytes(), len(indexes), len(packed), len(data)
-            )
-        )
-        self.tail.count(channels, start, end)
+        length = len(prefix) + len(packed)
+        prefix = struct.pack("<BQ", Opcode.CHUNK, length) + prefix
+        indexes = message_indexes(channels, times, np.concatenate(offsets).astype(np.uint64))
+        at = self.append(prefix, packed, indexes.records)
+        self.tail.chunk(indexes, start, end, at, 9 + length, len(packed), size)
         for record in new:
             kind = self.tail.schemas if isinstance(record, mcap.Schema) else self.tail.channels
             kind.append(record)
@@ -222,13 +249,6 @@ class LogFile:
         os.close(self.descriptor)
 
 
-def chunk_index(
-    start: int, end: int, at: int, length: int, places: bytes, indexes: int, packed: int, size: int
-) -> bytes:
-    """A ChunkIndex record; `places` are pairs of a channel and where its MessageIndex begins."""
-    body = (
-        struct.pack("<QQQQI", start, end, at, length, len(places))
-        + places
-        + struct.pack("<QI4sQQ", indexes, 4, b"zstd", packed, size)
-    )
-    return struct.pack("<BQ", Opcode.CHUNK_INDEX, len(body)) + body
+def spread(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """One of `values` for each message of a block."""
+    return np.broadcast_to(values, shape).reshape(-1)

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.log import commands
-from sim.log.cdr import Template, decode, template
+from sim.log.cdr import decode
 from sim.log.floor import rebuilt
+from sim.log.layouts import Layout, layout
 from sim.log.reader import LogReader
-from sim.log.tick_blocks import STATE, state_template
+from sim.log.tick_blocks import STATE, state_layout
 
 STATES, SENT = "/troupe/state", "/troupe/commands"
 COMMAND = np.dtype(
@@ -53,17 +54,15 @@ def ticks_and_times(reader: LogReader, span: Span, interval: float) -> tuple[Any
     return ticks, ticks * interval
 
 
-def states(
-    reader: LogReader, span: Span = ALL
-) -> Iterator[tuple[Template, NDArray[np.uint8], int]]:
+def states(reader: LogReader, span: Span = ALL) -> Iterator[tuple[Layout, NDArray[np.uint8], int]]:
     """Runs of states that are alike: their layout, their bytes (k, size), how many robots."""
     for run in reader.runs(STATES, *span):
         first = decode(STATE, run.messages[0].tobytes())
         n, m = len(first["colors"]), len(first["movable_poses"]) // 3
-        layout = state_template(n, m)
-        if layout.size != run.messages.shape[1]:
+        alike = state_layout(n, m)
+        if alike.size != run.messages.shape[1]:
             raise reader.damaged("a state is not as it should be")
-        yield layout, run.messages, n
+        yield alike, run.messages, n
 
 
 def over_robots(
@@ -74,10 +73,10 @@ def over_robots(
     `fill` stands where a robot has not entered yet.
     """
     parts = []
-    for layout, messages, n in states(reader, span):
+    for alike, messages, n in states(reader, span):
         part = np.full((len(messages), robots, width), fill, dtype)
         if n:
-            part[:, :n] = layout.read(messages, field).reshape(len(messages), n, width)
+            part[:, :n] = alike.read(messages, field).reshape(len(messages), n, width)
         parts.append(part)
     found = np.concatenate([np.zeros((0, robots, width), dtype), *parts])
     return found[:, :, 0] if width == 1 else found
@@ -85,16 +84,16 @@ def over_robots(
 
 def over_ticks(reader: LogReader, field: str, span: Span) -> NDArray[Any]:
     """A field of the states that has one number for all: (t,)."""
-    parts = [layout.read(messages, field)[:, 0] for layout, messages, _ in states(reader, span)]
+    parts = [alike.read(messages, field)[:, 0] for alike, messages, _ in states(reader, span)]
     return np.concatenate([np.zeros(0), *parts])
 
 
 def movables(reader: LogReader, span: Span) -> NDArray[np.float64]:
     """(t, m, 3) the poses of what can be pushed."""
     parts = []
-    for layout, messages, _ in states(reader, span):
-        if "movable_poses" in layout.places:
-            parts.append(layout.read(messages, "movable_poses").reshape(len(messages), -1, 3))
+    for alike, messages, _ in states(reader, span):
+        if "movable_poses" in alike.places:
+            parts.append(alike.read(messages, "movable_poses").reshape(len(messages), -1, 3))
         else:
             parts.append(np.zeros((len(messages), 0, 3)))
     return np.concatenate(parts) if parts else np.zeros((0, 0, 3))
@@ -162,11 +161,11 @@ def scan_arrays(
         kind = reader.topics[topic][1]
         one = decode(kind, run.messages[0].tobytes())
         first = one if first is None else first
-        layout = template(kind, one)
-        if layout.size != run.messages.shape[1]:
+        as_first = layout(kind, one)
+        if as_first.size != run.messages.shape[1]:
             raise reader.damaged("a reading is not as it should be")
         times.append(run.times / 1e9)
-        rows.append(layout.read(run.messages, field))
+        rows.append(as_first.read(run.messages, field))
     if not rows:
         return np.zeros(0), np.zeros((0, 0), np.float32), None
     return np.concatenate(times), np.concatenate(rows), first

@@ -15,6 +15,7 @@ PRIMITIVES = {
 }  # fmt: skip
 """numpy's names of the primitive types."""
 FIELD = re.compile(r"([\w/]+)(\[(\d*)\])?\s+(\w+)")
+NAME = re.compile(r"\w+/\w+", re.ASCII)
 BETWEEN = "=" * 80 + "\n"
 
 
@@ -41,8 +42,13 @@ def fields(name: str) -> tuple[Field, ...]:
 
 @cache
 def text(name: str) -> str:
-    """A type's own definition."""
-    return (FOLDER / f"{name}.msg").read_text(encoding="utf-8")
+    """A type's own definition. Raises KeyError for a type that we do not know."""
+    if not NAME.fullmatch(name):
+        raise KeyError(name)
+    try:
+        return (FOLDER / f"{name}.msg").read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise KeyError(name) from None
 
 
 @cache

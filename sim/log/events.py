@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from sim.robot import Robot
 
 LEVELS = {"info": 20}
+COLOR = attrgetter("color")
 
 
 class News:
@@ -101,7 +103,7 @@ class News:
         if self._lines:
             lines, self._lines = self._lines, []
             events += [self.line_event(*line) for line in lines]
-        colors = [robot.color for robot in engine.robots]
+        colors = list(map(COLOR, engine.robots))
         if colors != self._colors:
             self.recolored(colors, events)
 
@@ -227,13 +229,14 @@ def stamped(time: float) -> dict[str, Any]:
 
 
 def hands_event(engine: Engine) -> Event:
-    """What was done to robots by hand before they moved in this tick."""
+    """What was done by hand before bodies moved in this tick."""
     hands = engine.scenery.stage.hands
     values = {
         "tick": engine.ticks,
-        "robots": [robot for robot, _ in hands],
-        "settled": [pose is None for _, pose in hands],
-        "poses": [number for _, pose in hands for number in (pose or (0.0, 0.0, 0.0))],
+        "numbers": [hand.number for hand in hands],
+        "things": [hand.movable for hand in hands],
+        "settled": [hand.pose is None for hand in hands],
+        "poses": [value for hand in hands for value in (hand.pose or (0.0, 0.0, 0.0))],
     }
     return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
 

@@ -22,8 +22,7 @@ class Event:
     values: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Fans:
+class Fans(NamedTuple):
     """Readings of the sensors of equal settings in one tick, all that were sensed."""
 
     source: SensorGroup
@@ -32,8 +31,8 @@ class Fans:
     ranges: NDArray[np.float32]
     """(k, samples) metres, of whatever has ranges; else empty."""
     intensities: NDArray[np.float32] | None = None
-    blobs: NDArray[np.void] | None = None
-    """(k, most) of the readings' dtype BLOB."""
+    blobs: bytes = b""
+    """(sum of counts,) of the readings' dtype BLOB, one sensor's after the other's."""
     counts: NDArray[np.int64] | None = None
     """(k,) how many blobs each has."""
 

@@ -6,35 +6,25 @@ seed and the tick, so it is sensed again, and to the last bit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim.log import contents
 from sim.log.errors import LogError
-from sim.log.reader import DAMAGES, LogReader
+from sim.log.reader import LogReader
+from sim.log.source import DAMAGES
 from sim.log.states import State, States, state_of
 from sim.log.track import Paint, Track
 from sim.log.world import loaded_again, own_sensors
 from sim.showing import drawings_of, movables_of
 from sim.surroundings import Surroundings
 from sim.video.snapshot import DrawingKind
+from sim.view.figure import Figure
 from sim.view.present import ENDED, Present
 
 KINDS = get_args(DrawingKind)
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A shape of graphics2d in its robot's frame."""
-
-    kind: str
-    points: NDArray[np.float64]
-    color: int
-    fill_color: int | None
 
 
 class Playback:

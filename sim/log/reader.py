@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import mmap
 import struct
 import zlib
 from collections import OrderedDict
@@ -13,27 +11,21 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import zstandard
 from mcap import records as mcap
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-from sim.log.blocks import ENTRY, INDEX, PLACE, PREFIX
+from sim.log.blocks import ENTRY, PLACE, PREFIX
 from sim.log.cdr import decode
-from sim.log.container import CHUNK, MAGIC
+from sim.log.container import MAGIC
 from sim.log.errors import LogError
-from sim.log.writer import FORMAT, reason
+from sim.log.source import DAMAGES, Source, check_ours, each_record, parsed, unpack
 
 FOOT = struct.Struct("<BQQQI")
+INDEX_HEAD = struct.Struct("<HI")
+"""How a MessageIndex record begins: channel, bytes of its entries."""
 KEPT = 4
 """Unpacked chunks that are kept."""
-DAMAGES = (
-    McapError, struct.error, zstandard.ZstdError, zlib.error, ValueError, KeyError, IndexError,
-    OverflowError, MemoryError, UnicodeDecodeError,
-)  # fmt: skip
-"""What comes of reading bytes that are not what they should be."""
 
 
 class ChunkPlace(NamedTuple):
@@ -66,7 +58,7 @@ class LogReader:
         self._attachments: dict[str, mcap.AttachmentIndex] = {}
         self._metadata: dict[str, mcap.MetadataIndex] = {}
         self._unpacked: OrderedDict[int, bytes] = OrderedDict()
-        self._map = mapped(path)
+        self._source = Source(path)
         try:
             self._read_summary()
         except LogError:
@@ -74,12 +66,12 @@ class LogReader:
         except DAMAGES as error:
             raise self.damaged(error) from None
         self.about = self.metadata("troupe")
-        self._check_version()
+        check_ours(path, self.about, self.header.library if self.header else "")
 
     @property
     def size(self) -> int:
         """Bytes of the file."""
-        return len(self._map)
+        return self._source.size
 
     def damaged(self, error: Exception | str) -> LogError:
         """What is said of a file that is broken inside."""
@@ -89,72 +81,45 @@ class LogReader:
         )
 
     def _read_summary(self) -> None:
-        data = self._map
-        self.header = self._record(len(MAGIC), Opcode.HEADER, mcap.Header)
-        end = len(data) - len(MAGIC)
-        if data[end:] != MAGIC:
+        read = self._source.read
+        end = self._source.size - len(MAGIC)
+        if end < len(MAGIC) + FOOT.size or read(end, len(MAGIC)) != MAGIC:
             raise LogError(
                 f"{self.path}: the log was cut off before its end: "
                 "`troupe log recover` makes a whole one of it"
             )
-        opcode, length, start, _, _ = FOOT.unpack_from(data, end - FOOT.size)
+        self.header = self._record(len(MAGIC), Opcode.HEADER, mcap.Header)
+        foot = read(end - FOOT.size, FOOT.size)
+        opcode, length, start, _, crc = FOOT.unpack(foot)
         if opcode != Opcode.FOOTER or length != 20 or not 0 < start < end:
             raise LogError(
                 f"{self.path}: the log has no summary: `troupe log recover` makes it anew"
             )
+        data = read(start, end - FOOT.size - start)
+        if crc and zlib.crc32(foot[:-4], zlib.crc32(data)) != crc:
+            raise ValueError("the checksum of its summary is wrong")
         schemas: dict[int, str] = {}
-        for opcode, at, size in self._records(start, end - FOOT.size):
+        for opcode, record in each_record(data):
             if opcode == Opcode.CHUNK_INDEX:
-                self.chunks.append(chunk_place(data, at, size))
+                self.chunks.append(chunk_place(record))
             elif opcode == Opcode.SCHEMA:
-                one = mcap.Schema.read(self._stream(at, size))
+                one = parsed(mcap.Schema, record)
                 schemas[one.id] = one.name.replace("/msg/", "/")
             elif opcode == Opcode.CHANNEL:
-                topic = mcap.Channel.read(self._stream(at, size))
+                topic = parsed(mcap.Channel, record)
                 self.topics[topic.topic] = topic.id, schemas.get(topic.schema_id, "")
             elif opcode == Opcode.STATISTICS:
-                self.counts = mcap.Statistics.read(self._stream(at, size)).channel_message_counts
+                self.counts = parsed(mcap.Statistics, record).channel_message_counts
             elif opcode == Opcode.ATTACHMENT_INDEX:
-                found = mcap.AttachmentIndex.read(self._stream(at, size))
+                found = parsed(mcap.AttachmentIndex, record)
                 self._attachments[found.name] = found
             elif opcode == Opcode.METADATA_INDEX:
-                note = mcap.MetadataIndex.read(self._stream(at, size))
+                note = parsed(mcap.MetadataIndex, record)
                 self._metadata[note.name] = note
         self.chunks.sort(key=lambda chunk: (chunk.start, chunk.at))
 
-    def _check_version(self) -> None:
-        if not self.about:
-            library = self.header.library if self.header else ""
-            raise LogError(
-                f"{self.path}: this MCAP file was not written by Troupe but by "
-                f"{library or 'another program'}: Foxglove, Lichtblick and Rerun open such files"
-            )
-        found = self.about.get("format", "")
-        if not found.isdecimal() or int(found) > FORMAT:
-            raise LogError(
-                f"{self.path}: the log is of a later version of Troupe "
-                f"({self.about.get('version', 'unknown')}; its format is {found or 'unknown'}, "
-                f"this version reads {FORMAT}): read it with that version"
-            )
-
-    def _records(self, at: int, end: int) -> Iterator[tuple[int, int, int]]:
-        """Opcode, place and size of the records between two offsets."""
-        while at + 9 <= end:
-            opcode, size = struct.unpack_from("<BQ", self._map, at)
-            at += 9
-            if at + size > end:
-                raise ValueError("a record is longer than the file")
-            yield opcode, at, size
-            at += size
-
-    def _stream(self, at: int, size: int) -> ReadDataStream:
-        return ReadDataStream(io.BytesIO(self._map[at : at + size]))
-
     def _record(self, at: int, opcode: int, kind: Any) -> Any:
-        found, size = struct.unpack_from("<BQ", self._map, at)
-        if found != opcode or at + 9 + size > len(self._map):
-            raise ValueError("a record is not where it should be")
-        return kind.read(self._stream(at + 9, size))
+        return parsed(kind, memoryview(self._source.record(at, opcode)))
 
     # --- what is beside the messages
 
@@ -254,12 +219,14 @@ class LogReader:
         if not len(which):
             return np.zeros(0, ENTRY)
         at = int(chunk.places["offset"][which[0]])
-        head = np.frombuffer(self._map[at : at + INDEX.itemsize], INDEX)[0]
-        at += INDEX.itemsize
-        data = self._map[at : at + int(head["bytes"])]
-        if head["opcode"] != Opcode.MESSAGE_INDEX or head["channel"] != channel:
-            raise self.damaged("an index is not where it should be")
-        return np.frombuffer(data, ENTRY)
+        try:
+            data = self._source.record(at, Opcode.MESSAGE_INDEX)
+            found, size = INDEX_HEAD.unpack_from(data)
+            if found != channel or size != len(data) - INDEX_HEAD.size:
+                raise ValueError("an index is not where it should be")
+        except DAMAGES as error:
+            raise self.damaged(error) from None
+        return np.frombuffer(data, ENTRY, offset=INDEX_HEAD.size)
 
     def _runs(
         self, chunk: ChunkPlace, channel: int, start: int | None, end: int | None
@@ -297,56 +264,16 @@ class LogReader:
         if chunk.at in self._unpacked:
             self._unpacked.move_to_end(chunk.at)
             return self._unpacked[chunk.at]
-        data = unpack(memoryview(self._map), chunk.at)
+        data = unpack(self._source.record(chunk.at, Opcode.CHUNK))
         self._unpacked[chunk.at] = data
         if len(self._unpacked) > KEPT:
             self._unpacked.popitem(last=False)
         return data
 
 
-MOST_UNPACKED = 1 << 31
-"""Bytes: a chunk that claims more is not one of ours."""
-
-
-def unpack(data: memoryview, at: int) -> bytes:
-    """The records of the chunk at an offset; ValueError for what is not whole."""
-    opcode, length, _, _, size, crc = CHUNK.unpack_from(data, at)
-    end = at + 9 + length
-    if opcode != Opcode.CHUNK or end > len(data) or size > MOST_UNPACKED:
-        raise ValueError("a chunk is not where it should be")
-    body = data[at + CHUNK.size : end]
-    (name,) = struct.unpack_from("<I", body)
-    kind = bytes(body[4 : 4 + name])
-    (packed,) = struct.unpack_from("<Q", body, 4 + name)
-    content = body[12 + name : 12 + name + packed]
-    if kind == b"zstd":
-        found = zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
-    elif kind == b"":
-        found = bytes(content)
-    else:
-        raise ValueError(f"a chunk is packed in a way that Troupe never uses: {kind!r:.20}")
-    if len(found) != size or (crc and zlib.crc32(found) != crc):
-        raise ValueError("a chunk's checksum is wrong")
-    return found
-
-
-def chunk_place(data: mmap.mmap, at: int, size: int) -> ChunkPlace:
+def chunk_place(record: memoryview) -> ChunkPlace:
     """A ChunkIndex record."""
-    start, end, place, _, length = struct.unpack_from("<QQQQI", data, at)
-    if 36 + length > size:
+    start, end, place, _, length = struct.unpack_from("<QQQQI", record)
+    if 36 + length > len(record):
         raise ValueError("a chunk's index is longer than its record")
-    return ChunkPlace(start, end, place, np.frombuffer(data[at + 36 : at + 36 + length], PLACE))
-
-
-def mapped(path: Path) -> mmap.mmap:
-    """A file's bytes; LogError for what cannot be read or is no MCAP file."""
-    try:
-        with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise LogError(f"{path}: is not an MCAP file, so it is no log of a run")
-            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    except (OSError, ValueError) as error:
-        if isinstance(error, LogError):
-            raise
-        what = reason(error) if isinstance(error, OSError) else str(error)
-        raise LogError(f"{path}: cannot be read: {what}") from None
+    return ChunkPlace(start, end, place, np.frombuffer(record[36 : 36 + length], PLACE))

@@ -2,32 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.log.blocks import Block, block
-from sim.log.cdr import Template, template
+from sensors.readings import BLOB
+from sim.log.blocks import Block
 from sim.log.container import Channels
 from sim.log.frames import base
+from sim.log.layouts import Layout, Values, layout
 from sim.log.moment import Fans, SensorGroup, TickState
 
 BLOB_FIELDS = ("id", "color", "area", "x", "y", "left", "right", "top", "bottom", "range")
 INFRARED = 1
 """sensor_msgs/Range's kind of what measures in a narrow cone."""
 
-Stamps = tuple[NDArray[np.uint32], NDArray[np.uint64], NDArray[np.uint64], NDArray[np.uint64]]
+
+class Stamps(NamedTuple):
+    """When messages were: arrays (t,)."""
+
+    ticks: NDArray[np.uint64]
+    ns: NDArray[np.uint64]
+    """Simulated time; as whole seconds and the rest of it below."""
+    seconds: NDArray[np.uint64]
+    rest: NDArray[np.uint64]
+
+    def at(self, which: NDArray[np.intp]) -> Stamps:
+        """Some of them."""
+        return Stamps(*(array[which] for array in self))
+
+
+def stamps_of(ticks: Sequence[TickState]) -> Stamps:
+    """The stamps of ticks."""
+    numbers = np.array([state.tick for state in ticks], np.uint64)
+    ns = np.rint(np.array([state.time for state in ticks]) * 1e9).astype(np.uint64)
+    return Stamps(numbers, ns, ns // 10**9, ns % 10**9)
 
 
 @dataclass(frozen=True)
 class SameLayout:
     """Messages of one layout that differ in texts and numbers, each on a channel of its own."""
 
-    members: list[int]
-    layout: Template
+    members: slice | list[int]
+    layout: Layout
     texts: dict[str, NDArray[np.uint8]]
     """By path: (k, length) bytes."""
     channels: NDArray[np.uint16]
@@ -60,8 +80,10 @@ def by_layout(
         memo.clear()
     memo[key] = [
         SameLayout(
-            members,
-            template(kind, values[members[0]]),
+            slice(members[0], members[-1] + 1)
+            if members[-1] - members[0] + 1 == len(members)
+            else members,
+            layout(kind, values[members[0]]),
             {
                 path: np.array([list(split[one][place]) for one in members], np.uint8)
                 for place, path in enumerate(paths)
@@ -79,22 +101,16 @@ def text_at(value: dict[str, Any], path: str) -> str:
     return str(value)
 
 
-def spread(alike: SameLayout, stamps: Stamps, values: dict[str, NDArray[Any]]) -> Block:
-    """A block of one message for each tick and member, in this order; values (ticks * k, ...)."""
-    numbers, nanoseconds, seconds, rest = stamps
-    k, count = len(alike.members), len(numbers)
+def spread(alike: SameLayout, when: Stamps, values: Mapping[str, Values]) -> Block:
+    """One message for each stamp and member, in this order; values of (t, k, ...)."""
     filled = {
-        "header.stamp.sec": np.repeat(seconds, k),
-        "header.stamp.nanosec": np.repeat(rest, k),
-        **{path: np.tile(text, (count, 1)) for path, text in alike.texts.items()},
+        "header.stamp.sec": when.seconds[:, None, None],
+        "header.stamp.nanosec": when.rest[:, None, None],
+        **alike.texts,
         **values,
     }
-    return block(
-        alike.layout.filled(count * k, filled),
-        np.tile(alike.channels, count),
-        np.repeat(numbers, k),
-        np.repeat(nanoseconds, k),
-    )
+    shape = len(when.ns), len(alike.channels)
+    return Block(alike.layout, shape, alike.channels, when.ns[:, None], filled)
 
 
 def odometry_blocks(
@@ -102,7 +118,7 @@ def odometry_blocks(
     memo: Memo,
     names: Sequence[str],
     ticks: Sequence[TickState],
-    stamps: Stamps,
+    when: Stamps,
 ) -> list[Block]:
     """/NAME/odom of all robots: what each believes of its pose, and how fast it is."""
 
@@ -113,22 +129,21 @@ def odometry_blocks(
 
     poses = np.stack([state.odometry for state in ticks if state.odometry is not None])
     speeds = np.frombuffer(b"".join([state.velocities for state in ticks])).reshape(poses.shape)
-    found = []
+    half = 0.5 * poses[..., 2]
+    fields = {
+        "pose.pose.position.x": poses[..., 0],
+        "pose.pose.position.y": poses[..., 1],
+        "pose.pose.orientation.z": np.sin(half),
+        "pose.pose.orientation.w": np.cos(half),
+        "twist.twist.linear.x": speeds[..., 0],
+        "twist.twist.linear.y": speeds[..., 1],
+        "twist.twist.angular.z": speeds[..., 2],
+    }
     paths = ("header.frame_id", "child_frame_id")
-    for alike in by_layout(channels, memo, len(names), "nav_msgs/Odometry", messages, paths):
-        pose = poses[:, alike.members].reshape(-1, 3)
-        speed = speeds[:, alike.members].reshape(-1, 3)
-        values = {
-            "pose.pose.position.x": pose[:, 0],
-            "pose.pose.position.y": pose[:, 1],
-            "pose.pose.orientation.z": np.sin(0.5 * pose[:, 2]),
-            "pose.pose.orientation.w": np.cos(0.5 * pose[:, 2]),
-            "twist.twist.linear.x": speed[:, 0],
-            "twist.twist.linear.y": speed[:, 1],
-            "twist.twist.angular.z": speed[:, 2],
-        }
-        found.append(spread(alike, stamps, values))
-    return found
+    return [
+        spread(alike, when, {path: all_[:, alike.members, None] for path, all_ in fields.items()})
+        for alike in by_layout(channels, memo, len(names), "nav_msgs/Odometry", messages, paths)
+    ]
 
 
 def reading_blocks(channels: Channels, ticks: Sequence[TickState]) -> list[Block]:
@@ -169,14 +184,13 @@ def scan_blocks(
         ]
         return values, [source.members[row][0] for row in rows.tolist()]
 
-    ranges = np.stack([fans.ranges for _, fans in same])
-    back = np.stack([fans.intensities for _, fans in same]) if intense else ranges
-    kind, path, stamps = "sensor_msgs/LaserScan", ("header.frame_id",), stamps_of(same)
+    kind, path = "sensor_msgs/LaserScan", ("header.frame_id",)
+    when = stamps_of([state for state, _ in same])
     for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
-        values = {"ranges": ranges[:, alike.members].reshape(-1, samples)}
+        values = {"ranges": [fans.ranges[alike.members] for _, fans in same]}
         if intense:
-            values["intensities"] = back[:, alike.members].reshape(-1, samples)
-        yield spread(alike, stamps, values)
+            values["intensities"] = [fans.intensities[alike.members] for _, fans in same]
+        yield spread(alike, when, values)
 
 
 def range_blocks(
@@ -199,16 +213,18 @@ def range_blocks(
         return values, [source.members[row][0] for row in rows for _ in range(source.samples)]
 
     ranges = np.stack([fans.ranges for _, fans in same]).reshape(len(same), -1)
-    kind, path, stamps = "sensor_msgs/Range", ("header.frame_id",), stamps_of(same)
+    kind, path = "sensor_msgs/Range", ("header.frame_id",)
+    when = stamps_of([state for state, _ in same])
     for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
-        yield spread(alike, stamps, {"range": ranges[:, alike.members].reshape(-1)})
+        yield spread(alike, when, {"range": ranges[:, alike.members, None]})
 
 
 def blob_blocks(
     channels: Channels, source: SensorGroup, rows: NDArray[np.int64], same: Any
 ) -> Iterator[Block]:
     """troupe_msgs/Blobs: cameras that see equally many blobs have messages of one size."""
-    kind, path, stamps = "troupe_msgs/Blobs", ("header.frame_id",), stamps_of(same)
+    kind, path = "troupe_msgs/Blobs", ("header.frame_id",)
+    when = stamps_of([state for state, _ in same])
     width, height = source.size
 
     def messages() -> tuple[list[dict[str, Any]], list[str]]:
@@ -219,43 +235,35 @@ def blob_blocks(
         return values, [source.members[row][0] for row in rows.tolist()]
 
     counts = np.stack([fans.counts for _, fans in same])
-    wide = max(fans.blobs.shape[1] for _, fans in same)
-    blobs = np.zeros((len(same), len(rows), wide), same[0][1].blobs.dtype)
-    for index, (_, fans) in enumerate(same):
-        blobs[index, :, : fans.blobs.shape[1]] = fans.blobs
+    blobs = np.frombuffer(b"".join([fans.blobs for _, fans in same]), BLOB)
+    firsts = (np.cumsum(counts) - counts.reshape(-1)).reshape(counts.shape)
     for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
-        members = np.array(alike.members)
-        for count in np.unique(counts[:, members]).tolist():
-            ticks, which = np.nonzero(counts[:, members] == count)
-            frame = alike.texts[path[0]]
+        own, own_firsts = counts[:, alike.members], firsts[:, alike.members]
+        frame = alike.texts[path[0]]
+        for count in np.unique(own).tolist():
+            ticks, which = np.nonzero(own == count)
+            part = when.at(ticks)
             head = {"frame_id": "x" * frame.shape[1]}
             like = {"header": head, "width": width, "height": height, "blobs": [{}] * count}
-            values = {
-                "header.stamp.sec": stamps[2][ticks],
-                "header.stamp.nanosec": stamps[3][ticks],
+            values: dict[str, Values] = {
+                "header.stamp.sec": part.seconds[:, None],
+                "header.stamp.nanosec": part.rest[:, None],
                 "header.frame_id": frame[which],
             }
             if count:
-                seen = blobs[ticks, members[which], :count]
-                values |= {f"blobs.{name}": seen[name] for name in BLOB_FIELDS}
-            filled = blob_layout(source, count, like).filled(len(ticks), values)
-            yield block(filled, alike.channels[which], stamps[0][ticks], stamps[1][ticks])
+                these = blobs.take(own_firsts[ticks, which, None] + np.arange(count))
+                values |= {f"blobs.{name}": these[name] for name in BLOB_FIELDS}
+            one = blob_layout(source, count, like)
+            yield Block(one, (len(ticks),), alike.channels[which], part.ns, values)
 
 
-def blob_layout(source: SensorGroup, count: int, like: dict[str, Any]) -> Template:
+def blob_layout(source: SensorGroup, count: int, like: dict[str, Any]) -> Layout:
     """The layout of messages of so many blobs, made once."""
     key = count, len(like["header"]["frame_id"])
     if key not in source.layouts:
-        source.layouts[key] = template("troupe_msgs/Blobs", like)
-    found: Template = source.layouts[key]
+        source.layouts[key] = layout("troupe_msgs/Blobs", like)
+    found: Layout = source.layouts[key]
     return found
-
-
-def stamps_of(same: Any) -> Stamps:
-    """Ticks, and times as ns and as seconds and ns, of readings."""
-    numbers = np.array([state.tick for state, _ in same], np.uint32)
-    nanoseconds = np.rint(np.array([state.time for state, _ in same]) * 1e9).astype(np.uint64)
-    return numbers, nanoseconds, nanoseconds // 10**9, nanoseconds % 10**9
 
 
 WRITERS = {

@@ -189,7 +189,7 @@ def size_of(state: TickState) -> int:
     size = 300 + len(state.movers) + 8 * len(state.velocities)
     if state.fans:
         for fans in state.fans:
-            size += fans.ranges.nbytes + (0 if fans.blobs is None else fans.blobs.nbytes)
+            size += fans.ranges.nbytes + len(fans.blobs)
     if state.odometry is not None:
         size += 800 * len(state.odometry)
     if state.painted:

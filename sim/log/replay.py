@@ -19,6 +19,7 @@ from sim.stage.geometry import wrapped
 from sim.stage.layout import Layout
 from sim.stage.physics import pose_of
 from sim.stage.stage import Stage
+from sim.worldfile.schema import World
 
 
 @dataclass(frozen=True)
@@ -26,14 +27,15 @@ class Verdict:
     """Whether a second run was the same.
 
     `digest` is that of the log's poses. Where they differ: the first tick in which they do, the
-    first robot, and by how much the second run's pose is off (m, m, rad); tick 0 is the start.
+    first robot (or thing that can be pushed), and by how much the second run's pose is off (m, m,
+    rad); tick 0 is the start.
     """
 
     ticks: int
     digest: str
     told_digest: str | None
     tick: int | None = None
-    robot: str | None = None
+    who: str | None = None
     difference: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
@@ -69,35 +71,55 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
     hands = {one["tick"]: one for _, one in reader.messages("/troupe/hands")}
     digest = hashlib.sha256()
     tick = 0
-    for tick, poses in kept(reader, loaded.world.clock.interval):
+    for tick, poses, movables in kept(reader, loaded.world.clock.interval):
         by_hand(stage, hands.get(tick))
         for row in told.get(tick, ()):
             obey(stage, row)
         stage.tick()
         for entry in entering.get(tick, ()):
             stage.add_robot(entry.model, at_door(loaded.layout, entry.pose))
-        wrong = first_difference(poses, stage.poses)
         digest.update(poses.tobytes())
-        if wrong is not None:
-            robot, difference = wrong
-            return Verdict(tick, "", told_digest, tick, names[robot], difference)
+        for own, again, called in (
+            (poses, stage.poses, names),
+            (movables, stage.movable_poses, things_of(loaded.world)),
+        ):
+            wrong = first_difference(own, again)
+            if wrong is not None:
+                which, difference = wrong
+                return Verdict(tick, "", told_digest, tick, called[which], difference)
     return Verdict(tick, "sha256:" + digest.hexdigest(), told_digest)
 
 
-def kept(reader: LogReader, interval: float) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Ticks from 1 on and their poses (n, 3); raises LogError where some are missing."""
+Ticks = Iterator[tuple[int, NDArray[np.float64], NDArray[np.float64]]]
+
+
+def kept(reader: LogReader, interval: float) -> Ticks:
+    """Ticks from 1 on, the poses (n, 3) of robots and (m, 3) of what can be pushed.
+
+    Raises LogError where some are missing.
+    """
     due = 1
-    for layout, messages, n in contents.states(reader):
-        ticks = layout.read(messages, "tick")[:, 0].tolist()
-        poses = layout.read(messages, "poses") if n else np.zeros((len(ticks), 0))
-        for tick, row in zip(ticks, poses, strict=True):
+    for alike, messages, _ in contents.states(reader):
+        nothing = np.zeros((len(messages), 0))
+        ticks = alike.read(messages, "tick")[:, 0].tolist()
+        poses, movables = (
+            alike.read(messages, path) if path in alike.places else nothing
+            for path in ("poses", "movable_poses")
+        )
+        for tick, row, things in zip(ticks, poses, movables, strict=True):
             if tick != due:
                 raise LogError(
                     f"{reader.path}: tick {due} is missing (at {due * interval:g} s): what came "
                     "after it cannot be run again"
                 )
             due += 1
-            yield tick, row.reshape(-1, 3)
+            yield tick, row.reshape(-1, 3), things.reshape(-1, 3)
+
+
+def things_of(world: World) -> list[str]:
+    """What the obstacles that can be pushed are called: those without a name by their number."""
+    pushed = [obstacle for obstacle in world.obstacles if obstacle.movable]
+    return [one.name or f"movable obstacle {number}" for number, one in enumerate(pushed, 1)]
 
 
 def as_told(poses: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -115,17 +137,18 @@ def at_door(layout: Layout, pose: tuple[float, float, float]) -> NDArray[np.floa
 
 
 def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
-    """Put down and settle robots, in the order in which that was done."""
+    """Put down robots and things and settle robots, in the order in which that was done."""
     if hands is None:
         return
+    numbers, things, settled = (hands[name].tolist() for name in ("numbers", "things", "settled"))
     poses = hands["poses"].reshape(-1, 3)
-    for robot, settled, pose in zip(
-        hands["robots"].tolist(), hands["settled"].tolist(), poses, strict=True
-    ):
-        if settled:
-            stage.settle(robot)
+    for number, thing, settles, pose in zip(numbers, things, settled, poses, strict=True):
+        if thing:
+            stage.put_movable_down(number, pose_of(pose))
+        elif settles:
+            stage.settle(number)
         else:
-            stage.put_down(robot, pose_of(pose))
+            stage.put_down(number, pose_of(pose))
 
 
 def by_tick(rows: NDArray[Any]) -> dict[int, NDArray[Any]]:
@@ -149,12 +172,13 @@ def obey(stage: Stage, row: Any) -> None:
 def first_difference(
     kept: NDArray[np.float64], again: NDArray[np.float64]
 ) -> tuple[int, tuple[float, float, float]] | None:
-    """The first robot whose poses (n, 3) differ in any bit, and by how much."""
+    """The first row of poses (n, 3) that differs in any bit, and by how much."""
     if kept.shape != again.shape:
         return min(len(kept), len(again), max(len(kept), len(again)) - 1), (np.nan, np.nan, np.nan)
     if kept.tobytes() == again.tobytes():
         return None
     bits = np.ascontiguousarray(again).view(np.int64)
-    robot = int(np.flatnonzero((kept.view(np.int64) != bits).any(axis=1))[0])
-    x, y, yaw = (again[robot] - kept[robot]).tolist()
-    return robot, (x, y, yaw)
+    kept = np.ascontiguousarray(kept)
+    row = int(np.flatnonzero((kept.view(np.int64) != bits).any(axis=1))[0])
+    x, y, yaw = (again[row] - kept[row]).tolist()
+    return row, (x, y, yaw)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensors.readings import Blobs, Elements, Intensities, Scans
 from sim.log.moment import Fans, SensorGroup
 
 if TYPE_CHECKING:
@@ -39,17 +38,7 @@ class Sensed:
                 continue
             for row in range(len(source.members), len(group.robots)):
                 source.members.append(self.member(suite, group, row, names[int(group.robots[row])]))
-            rows, readings = group.rows, group.readings
-            if isinstance(readings, Blobs):
-                counts = readings.counts[rows]
-                blobs = readings.blobs[rows, : int(counts.max())]
-                found.append(Fans(source, rows, NO_RANGES, None, blobs, counts))
-            elif isinstance(readings, Scans | Elements | Intensities):
-                ranges = taken(readings.ranges, rows)
-                back = None
-                if isinstance(readings, Intensities):
-                    back = taken(readings.intensities, rows)
-                found.append(Fans(source, rows, ranges, back))
+            found.append(COPIES[group.kind](source, group.rows, group.readings))
         return found
 
     def source(self, group: Group) -> SensorGroup | None:
@@ -78,6 +67,35 @@ class Sensed:
         before = sum(NOUNS.get(kind) == noun for kind in kinds)
         number = f"_{before}" if before else ""
         return f"/{name}/{noun}{number}", f"{name}/{noun}{number}"
+
+
+def seen_blobs(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
+    """What cameras saw, of each as many blobs as there are."""
+    counts = readings.counts[rows]
+    most = readings.blobs.shape[1]
+    columns = np.arange(counts.max())
+    robots, numbers = (columns < counts[:, None]).nonzero()
+    blobs = readings.blobs.reshape(-1).take(rows[robots] * most + numbers)
+    return Fans(source, rows, NO_RANGES, None, blobs.tobytes(), counts)
+
+
+def ranges_only(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
+    """What rays hit."""
+    return Fans(source, rows, taken(readings.ranges, rows))
+
+
+def intensities_too(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
+    """What rays hit, and what came back along them."""
+    return Fans(source, rows, taken(readings.ranges, rows), taken(readings.intensities, rows))
+
+
+COPIES: dict[str, Callable[[SensorGroup, NDArray[np.int64], Any], Fans]] = {
+    "scan": ranges_only,
+    "elements": ranges_only,
+    "intensities": intensities_too,
+    "blobs": seen_blobs,
+}
+"""How readings are copied, by their kind."""
 
 
 def taken(values: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.float32]:

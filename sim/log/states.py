@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim.log.cdr import decode
 from sim.log.contents import STATES
 from sim.log.reader import LogReader, Run
-from sim.log.tick_blocks import STATE, state_template
+from sim.log.tick_blocks import STATE, state_layout
 
 
 class State(NamedTuple):
@@ -73,7 +73,7 @@ class States:
         first, found = self._firsts[chunk], []
         start, end = int(entries["time"][0]), int(entries["time"][-1]) + 1
         for run in self._reader.runs_of(place, STATES, start, end):
-            layout = state_template(*counted(run))
+            layout = state_layout(*counted(run))
             if layout.size != run.messages.shape[1]:
                 raise self._reader.damaged("a state is not as it should be")
             found.append((first, run))

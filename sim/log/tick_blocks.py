@@ -9,20 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.log import commands
-from sim.log.blocks import Block, block, single
-from sim.log.cdr import Template, encode, stamp, template
+from sim.log.blocks import Block, single
+from sim.log.cdr import encode, stamp
 from sim.log.container import Channels
 from sim.log.floor import FloorMirror
 from sim.log.frames import WORLD, base
+from sim.log.layouts import Layout, Values, layout
 from sim.log.moment import Event, TickState
-from sim.log.readings import Memo, odometry_blocks, reading_blocks
+from sim.log.readings import Memo, Stamps, odometry_blocks, reading_blocks, stamps_of
 from sim.stage.records import MOVER
 
-METRES, TURNS = 2.0**13, 2.0**14
-"""Steps to which /tf is rounded: an eighth of a millimetre, and of quaternions what turns by
-1e-4 rad at the most. Binary fractions end in zeros, which compress; the exact poses are in
-/troupe/state."""
-SPEEDS = 2.0**20
+METRES, TURNS, SPEEDS = 2.0**10, 2.0**11, 2.0**20
+"""Steps to which /tf and velocities are rounded: a millimetre, of quaternions what turns by 1e-3
+rad at the most, and 1e-6 m/s. Binary fractions end in zeros, which compress; the exact poses are
+in /troupe/state."""
 TRANSFORMS = 64
 """Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""
 MOST_LAYOUTS = 64
@@ -41,84 +41,79 @@ class TickBlocks:
         self.names: list[str] = []  # of robots, as ROS takes them
         self.floor: FloorMirror | None = None
         self.commands = np.zeros((0, commands.WIDTH))
-        self.clock = template("rosgraph_msgs/Clock", {})
-        self.transforms: dict[tuple[str, ...], Template] = {}
-        self.states: dict[tuple[int, int], Template] = {}
-        self.tellings: dict[int, Template] = {}
-        self.twist = template(TWIST, {})
+        self.clock = layout("rosgraph_msgs/Clock", {})
+        self.transforms: dict[tuple[str, ...], Layout] = {}
+        self.states: dict[tuple[int, int], Layout] = {}
+        self.tellings: dict[int, Layout] = {}
+        self.touchings: dict[int, Layout] = {}
+        self.twist = layout(TWIST, {})
         self.with_twists = False
         self.counted = np.zeros(0, np.int64)
         self.odometry: Memo = {}
-        self.sequence = 0
         self.second = NEVER  # the last one that /clock has told
 
     def blocks(self, ticks: Sequence[TickState]) -> list[Block]:
-        """Blocks of ticks with the same robots, in their order."""
+        """Blocks of what moved and changed in ticks with the same robots, in their order."""
         if not ticks:
             return []
+        when = stamps_of(ticks)
         n = ticks[0].robots
-        numbers = np.array([state.tick for state in ticks], np.uint32)
-        times = np.array([state.time for state in ticks])
-        nanoseconds = np.rint(times * 1e9).astype(np.uint64)
-        seconds, rest = nanoseconds // 10**9, nanoseconds % 10**9
         poses = joined([state.poses for state in ticks], float).reshape(len(ticks), n, 3)
-        when = numbers, nanoseconds, seconds, rest
-        found = self.clock_blocks(*when)
-        found += self.transform_blocks(poses, *when)
-        found.append(self.state_block(ticks, poses, *when))
+        found = self.clock_blocks(when)
+        found += self.transform_blocks(poses, when)
+        found.append(self.state_block(ticks, poses, when))
         found += self.change_blocks(ticks)
-        if ticks[0].odometry is not None:
-            found += odometry_blocks(self.channels, self.odometry, self.names, ticks, when)
-        found += reading_blocks(self.channels, ticks)
         return found
 
-    def clock_blocks(
-        self,
-        numbers: NDArray[np.uint32],
-        nanoseconds: NDArray[np.uint64],
-        seconds: NDArray[np.uint64],
-        rest: NDArray[np.uint64],
-    ) -> list[Block]:
+    def sensed_blocks(self, ticks: Sequence[TickState]) -> list[Block]:
+        """Blocks of what was sensed in such ticks, as far as it is kept."""
+        if not ticks:
+            return []
+        found = reading_blocks(self.channels, ticks)
+        if ticks[0].odometry is not None:
+            when = stamps_of(ticks)
+            found += odometry_blocks(self.channels, self.odometry, self.names, ticks, when)
+        return found
+
+    def clock_blocks(self, when: Stamps) -> list[Block]:
         """/clock: the first tick of every second."""
-        told = np.flatnonzero(np.diff(seconds, prepend=np.uint64(self.second)) != 0)
-        self.second = int(seconds[-1])
+        told = np.flatnonzero(np.diff(when.seconds, prepend=np.uint64(self.second)) != 0)
+        self.second = int(when.seconds[-1])
         if not len(told):
             return []
-        bodies = self.clock.filled(
-            len(told), {"clock.sec": seconds[told], "clock.nanosec": rest[told]}
-        )
-        channel = self.channels.channel("/clock", "rosgraph_msgs/Clock")
-        return [block(bodies, channel, numbers[told], nanoseconds[told])]
+        part = when.at(told)
+        values = {"clock.sec": part.seconds[:, None], "clock.nanosec": part.rest[:, None]}
+        return [self.block("/clock", "rosgraph_msgs/Clock", self.clock, part, values)]
 
-    def transform_blocks(
-        self,
-        poses: NDArray[np.float64],
-        numbers: NDArray[np.uint32],
-        nanoseconds: NDArray[np.uint64],
-        seconds: NDArray[np.uint64],
-        rest: NDArray[np.uint64],
-    ) -> list[Block]:
+    def block(
+        self, topic: str, kind: str, one: Layout, when: Stamps, values: Mapping[str, Values]
+    ) -> Block:
+        """A message for each stamp."""
+        channel = np.array(self.channels.channel(topic, kind), np.uint16)
+        return Block(one, (len(when.ns),), channel, when.ns, values)
+
+    def transform_blocks(self, poses: NDArray[np.float64], when: Stamps) -> list[Block]:
         """/tf: every robot's body in the world."""
-        channel = self.channels.channel("/tf", "tf2_msgs/TFMessage")
         found = []
+        half = 0.5 * poses[..., 2]
+        fields = {
+            "translation.x": np.rint(poses[..., 0] * METRES) / METRES,
+            "translation.y": np.rint(poses[..., 1] * METRES) / METRES,
+            "rotation.z": np.rint(np.sin(half) * TURNS) / TURNS,
+            "rotation.w": np.rint(np.cos(half) * TURNS) / TURNS,
+        }
         for first in range(0, poses.shape[1], TRANSFORMS):
-            part = poses[:, first : first + TRANSFORMS]
-            names = tuple(self.names[first : first + part.shape[1]])
-            bodies = self.transform_template(names).filled(
-                len(poses),
-                {
-                    "transforms.header.stamp.sec": seconds,
-                    "transforms.header.stamp.nanosec": rest,
-                    "transforms.transform.translation.x": np.rint(part[..., 0] * METRES) / METRES,
-                    "transforms.transform.translation.y": np.rint(part[..., 1] * METRES) / METRES,
-                    "transforms.transform.rotation.z": rounded_turn(np.sin(0.5 * part[..., 2])),
-                    "transforms.transform.rotation.w": rounded_turn(np.cos(0.5 * part[..., 2])),
-                },
-            )
-            found.append(block(bodies, channel, numbers, nanoseconds))
+            part = slice(first, first + TRANSFORMS)
+            values = {
+                "transforms.header.stamp.sec": when.seconds[:, None],
+                "transforms.header.stamp.nanosec": when.rest[:, None],
+                **{f"transforms.transform.{name}": all_[:, part] for name, all_ in fields.items()},
+            }
+            one = self.transform_layout(tuple(self.names[part]))
+            found.append(self.block("/tf", "tf2_msgs/TFMessage", one, when, values))
         return found
 
-    def transform_template(self, names: tuple[str, ...]) -> Template:
+    def transform_layout(self, names: tuple[str, ...]) -> Layout:
         if names not in self.transforms:
             if len(names) < TRANSFORMS:  # the last ones: more robots may come
                 self.transforms = {
@@ -127,25 +122,17 @@ class TickBlocks:
             entries = [
                 {"header": {"frame_id": WORLD}, "child_frame_id": base(name)} for name in names
             ]
-            self.transforms[names] = template("tf2_msgs/TFMessage", {"transforms": entries})
+            self.transforms[names] = layout("tf2_msgs/TFMessage", {"transforms": entries})
         return self.transforms[names]
 
     def state_block(
-        self,
-        ticks: Sequence[TickState],
-        poses: NDArray[np.float64],
-        numbers: NDArray[np.uint32],
-        nanoseconds: NDArray[np.uint64],
-        seconds: NDArray[np.uint64],
-        rest: NDArray[np.uint64],
+        self, ticks: Sequence[TickState], poses: NDArray[np.float64], when: Stamps
     ) -> Block:
         """/troupe/state: all that moves, exactly."""
         count, n, m = len(ticks), poses.shape[1], len(ticks[0].movables) // 24
         values = {
-            "stamp.sec": seconds,
-            "stamp.nanosec": rest,
-            "tick": numbers,
-            "coverage": np.array([state.coverage for state in ticks]),
+            **stamped(when),
+            "coverage": np.array([[state.coverage] for state in ticks]),
         }
         if n:
             speeds = joined([state.velocities for state in ticks], float).reshape(count, 3 * n)
@@ -159,12 +146,11 @@ class TickBlocks:
         if m:
             movables = joined([state.movables for state in ticks], float)
             values["movable_poses"] = movables.reshape(count, 3 * m)
-        bodies = self.state_template(n, m).filled(count, values)
-        return block(bodies, self.channels.channel("/troupe/state", STATE), numbers, nanoseconds)
+        return self.block("/troupe/state", STATE, self.state_layout(n, m), when, values)
 
-    def state_template(self, n: int, m: int) -> Template:
+    def state_layout(self, n: int, m: int) -> Layout:
         if (n, m) not in self.states:
-            self.states = {(n, m): state_template(n, m)}
+            self.states = {(n, m): state_layout(n, m)}
         return self.states[n, m]
 
     def change_blocks(self, ticks: Sequence[TickState]) -> list[Block]:
@@ -178,22 +164,40 @@ class TickBlocks:
             self.commands = np.concatenate([self.commands, fresh])
             self.counted = np.concatenate([self.counted, np.zeros(new, np.int64)])
         found += self.command_blocks(ticks, n)
-        for state in ticks:
-            if state.touched is not None:
-                counted = np.frombuffer(state.contacts, np.int64)
-                began = np.flatnonzero(counted != self.counted)
-                self.counted = counted
-                robots, points = state.touched
-                shown = np.isin(robots, began)
-                if shown.any():
-                    values = {"robots": robots[shown], "points": points[shown].reshape(-1)}
-                    found.append(
-                        self.single(tick_event(state, "/troupe/contacts", CONTACTS, values))
-                    )
-            if state.painted and self.floor is not None:
-                changed = self.floor.changes(state.painted)
+        found += self.contact_blocks(ticks)
+        if self.floor is not None:
+            for state in ticks:
+                changed = self.floor.changes(state.painted) if state.painted else None
                 if changed is not None:
-                    found.append(self.single(tick_event(state, "/troupe/paint", PAINT, changed)))
+                    values = {"tick": state.tick, **changed}
+                    found.append(self.single(Event(state.time, "/troupe/paint", PAINT, values)))
+        return found
+
+    def contact_blocks(self, ticks: Sequence[TickState]) -> list[Block]:
+        """/troupe/contacts: who began to touch something, and where."""
+        alike: dict[int, list[tuple[TickState, NDArray[np.int64], NDArray[np.float64]]]] = {}
+        for state in ticks:
+            if state.touched is None:
+                continue
+            counted = np.frombuffer(state.contacts, np.int64)
+            began = np.flatnonzero(counted != self.counted)
+            self.counted = counted
+            robots, points = state.touched
+            shown = np.isin(robots, began)
+            if shown.any():
+                alike.setdefault(int(shown.sum()), []).append((state, robots[shown], points[shown]))
+        found = []
+        for k, told in alike.items():
+            if k not in self.touchings:
+                zeros = {"robots": np.zeros(k), "points": np.zeros(2 * k)}
+                kept(self.touchings)[k] = layout(CONTACTS, zeros)
+            when = stamps_of([state for state, _, _ in told])
+            values = {
+                **stamped(when),
+                "robots": np.stack([robots for _, robots, _ in told]),
+                "points": np.stack([points.reshape(-1) for _, _, points in told]),
+            }
+            found.append(self.block("/troupe/contacts", CONTACTS, self.touchings[k], when, values))
         return found
 
     def command_blocks(self, ticks: Sequence[TickState], n: int) -> list[Block]:
@@ -219,61 +223,59 @@ class TickBlocks:
         if k not in self.tellings:
             lengths = {"robots": k, "modes": k, "motors": k, "values": k * len(commands.NUMBERS)}
             zeros = {name: np.zeros(length) for name, length in lengths.items()}
-            if len(self.tellings) > MOST_LAYOUTS:
-                self.tellings.clear()
-            self.tellings[k] = template(COMMANDS, zeros)
-        numbers = np.array([state.tick for state, _, _ in told], np.uint32)
-        times = np.rint([state.time * 1e9 for state, _, _ in told]).astype(np.uint64)
+            kept(self.tellings)[k] = layout(COMMANDS, zeros)
+        when = stamps_of([state for state, _, _ in told])
         robots = np.stack([which for _, which, _ in told])
         given = np.stack([values for _, _, values in told])
         values = {
-            "stamp.sec": times // 10**9,
-            "stamp.nanosec": times % 10**9,
-            "tick": numbers,
+            **stamped(when),
             "robots": robots,
             "modes": given[:, :, commands.MODE],
             "motors": given[:, :, commands.MOTORS],
             "values": given[:, :, : len(commands.NUMBERS)].reshape(len(told), -1),
         }
-        channel = self.channels.channel("/troupe/commands", COMMANDS)
-        found = [block(self.tellings[k].filled(len(told), values), channel, numbers, times)]
+        found = [self.block("/troupe/commands", COMMANDS, self.tellings[k], when, values)]
         if self.with_twists:
-            topics = [
+            numbers = [
                 self.channels.channel(f"/{self.names[robot]}/cmd_vel", TWIST)
                 for robot in robots.reshape(-1).tolist()
             ]
-            flat = given.reshape(-1, commands.WIDTH)
-            bodies = self.twist.filled(
-                len(flat), {"linear.x": flat[:, 0], "linear.y": flat[:, 1], "angular.z": flat[:, 2]}
-            )
-            found.append(block(bodies, topics, np.repeat(numbers, k), np.repeat(times, k)))
+            channels = np.array(numbers, np.uint16).reshape(robots.shape)
+            speeds = {"linear.x": 0, "linear.y": 1, "angular.z": 2}
+            values = {path: given[:, :, which, None] for path, which in speeds.items()}
+            found.append(Block(self.twist, robots.shape, channels, when.ns[:, None], values))
         return found
 
     def single(self, event: Event) -> Block:
         """The message of an event."""
-        self.sequence += 1
         channel = self.channels.channel(event.topic, event.type)
         values = {"stamp": stamp(event.time), **event.values}
-        return single(encode(event.type, values), channel, self.sequence, round(event.time * 1e9))
+        return single(encode(event.type, values), channel, round(event.time * 1e9))
 
 
-def state_template(n: int, m: int) -> Template:
+def state_layout(n: int, m: int) -> Layout:
     """The layout of /troupe/state for n robots and m obstacles that can be pushed."""
     lengths = {
         "colors": n, "contacts": n, "stalls": n, "velocities": 3 * n, "poses": 3 * n,
         "movable_poses": 3 * m,
     }  # fmt: skip
-    return template(STATE, {name: np.zeros(length) for name, length in lengths.items()})
+    return layout(STATE, {name: np.zeros(length) for name, length in lengths.items()})
 
 
-def tick_event(state: TickState, topic: str, kind: str, values: Mapping[str, Any]) -> Event:
-    return Event(state.time, topic, kind, {"tick": state.tick, **values})
+def stamped(when: Stamps) -> dict[str, NDArray[Any]]:
+    """The fields of our own types that tell when something was."""
+    return {
+        "stamp.sec": when.seconds[:, None],
+        "stamp.nanosec": when.rest[:, None],
+        "tick": when.ticks[:, None],
+    }
 
 
-def rounded_turn(part: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A part of a quaternion, rounded."""
-    rounded: NDArray[np.float64] = np.rint(part * TURNS) / TURNS
-    return rounded
+def kept(layouts: dict[int, Layout]) -> dict[int, Layout]:
+    """Layouts that are kept, as long as they are not too many."""
+    if len(layouts) > MOST_LAYOUTS:
+        layouts.clear()
+    return layouts
 
 
 def joined(arrays: Sequence[bytes], dtype: Any) -> NDArray[Any]:

@@ -19,7 +19,7 @@ FORMAT = 1
 WAIT = 0.4
 """Wall-clock seconds in which states are gathered for a chunk: with the time that it takes to
 write one, everything that is older than a second is in the file."""
-CHUNK_BYTES = 1 << 22
+CHUNK_BYTES = 1 << 23
 """What a chunk holds, roughly and before it is compressed: a reader that seeks unpacks one."""
 MOST_WAITING = 1 << 28
 """Bytes of states that may wait to be written; then the run waits too."""
@@ -124,19 +124,25 @@ class LogWriter:
         most = max(1, len(waiting) * CHUNK_BYTES // max(size, 1))
         for first in range(0, len(waiting), most):
             part = waiting[first : first + most]
-            self.file.chunk(self._blocks(part))
+            for blocks in self._blocks(part):
+                self.file.chunk(blocks)
             times = [one.time for one in part if isinstance(one, TickState)]
             if times:
                 self.written = times[-1]
 
-    def _blocks(self, items: list[Item]) -> list[Block]:
-        """The blocks of items; states that are alike go together."""
+    def _blocks(self, items: list[Item]) -> tuple[list[Block], list[Block]]:
+        """The blocks of items, and of what was sensed; states that are alike go together.
+
+        They go into chunks of their own: who looks for where all were need not unpack readings.
+        """
         tick_blocks = self.tick_blocks
         found: list[Block] = []
+        sensed: list[Block] = []
         alike: list[TickState] = []
 
         def gather() -> None:
             found.extend(tick_blocks.blocks(alike))
+            sensed.extend(tick_blocks.sensed_blocks(alike))
             alike.clear()
 
         for item in items:
@@ -158,7 +164,7 @@ class LogWriter:
             floor.changed = False
             time = max((one.time for one in items if isinstance(one, TickState)), default=0.0)
             found.append(tick_blocks.single(paint_event(floor, time)))
-        return found
+        return found, sensed
 
     def _fail(self, error: OSError) -> None:
         if self._failed is None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.stage.compiled import compiled, inlined
 from sim.stage.geometry import CIRCLE_SIDES, Floats, circle_polygon
-from sim.stage.layout import Layout
+
+if TYPE_CHECKING:
+    from sim.stage.layout import Layout
 
 FINEST = 0.25
 """m; finer cells would cost memory and tell a robot little."""

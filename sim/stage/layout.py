@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from sensors.eyes import eyes
 from sensors.noise import random_color
 from sim.stage.boundary import inner_faces, walls_outside
+from sim.stage.distance_field import DistanceField, distance_field
 from sim.stage.geometry import (
     Bools,
     Floats,
@@ -80,6 +82,11 @@ class Layout:
     raster: Raster | None
     grid: Bools | None
     cell: float | None
+
+    @cached_property
+    def distances(self) -> DistanceField:
+        """How far every place is from what stands, at least; made once for all runs here."""
+        return distance_field(self)
 
     def inside(self, points: ArrayLike) -> Bools:
         """For points (n, 2), whether each is in the region and in no wall or obstacle; (n,).

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from sensors.eyes import EYES, eyes
 from sim.stage import commands
 from sim.stage.contacts import Touches
-from sim.stage.distance_field import distance_field
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
 from sim.stage.may_touch import CALM
@@ -34,6 +33,15 @@ NOTHING: Floats = np.zeros((0, 3))
 """The poses of no obstacles."""
 
 
+class Hand(NamedTuple):
+    """Something that was put down at a pose, or a robot that became a standing body (None)."""
+
+    number: int
+    """A robot, or a movable obstacle in the layout's order."""
+    pose: tuple[float, float, float] | None
+    movable: bool = False
+
+
 class Stage:
     """Robots, movable obstacles and walls in one physical space.
 
@@ -48,7 +56,7 @@ class Stage:
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
         self._physics = Physics(layout)
-        self._distance_field = distance_field(layout)
+        self._distance_field = layout.distances
         self._movables = len(layout.movables)
         self._touches = Touches(self._movables)
         self._count = 0
@@ -72,10 +80,9 @@ class Stage:
         self._changed = True
         self.told = 0
         """How many commands there have been, motors switched and robots come included."""
-        self.hands: list[tuple[int, tuple[float, float, float] | None]] = []
-        """What no wheel did between the latest tick and the one before, in its order: robots put
-        down at a pose, and robots that became standing bodies (None)."""
-        self._hands: list[tuple[int, tuple[float, float, float] | None]] = []  # since then
+        self.hands: list[Hand] = []
+        """What no wheel did between the latest tick and the one before, in its order."""
+        self._hands: list[Hand] = []  # since then
 
     # --- robots come, stand still, are moved by hand
 
@@ -107,7 +114,7 @@ class Stage:
             return
         self._physics.settle(self._movables + robot)
         record["standing"], record["driven"], record["leader"] = True, False, 0
-        self._hands.append((robot, None))
+        self._hands.append(Hand(robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
         self._stalls[robot] = False
@@ -145,12 +152,17 @@ class Stage:
         index = self._count + number  # robots come first there
         if not self._places.fitting({index: goal}, bodies, poses):
             return False
-        self._physics.put(number, goal)
+        self.put_movable_down(number, goal)
+        return True
+
+    def put_movable_down(self, number: int, at: tuple[float, float, float]) -> None:
+        """Put a movable obstacle down, at rest, where there is known to be room for it."""
+        self._hands.append(Hand(number, at, movable=True))
+        self._physics.put(number, at)
         record = self._movers[number]
-        record["x"], record["y"] = goal[0], goal[1]
+        record["x"], record["y"] = at[0], at[1]
         self._rest(record)
         self._changed = True
-        return True
 
     def command_of(self, robot: int) -> tuple[str, tuple[float, ...]]:
         """What a robot was commanded last.
@@ -165,7 +177,7 @@ class Stage:
     def put_down(self, robot: int, at: tuple[float, float, float]) -> None:
         """Put a robot down, at rest, at a pose where there is known to be room for it."""
         record = self._record(robot)
-        self._hands.append((robot, at))
+        self._hands.append(Hand(robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]
         self._rest(record)

@@ -68,3 +68,13 @@ def test_the_floors_are_those_that_the_contract_holds() -> None:
     told = [re.findall(r"`(\w+)`", rooms) for _, rooms, _ in rows]
     assert told == [floor.split(" | ") for floor in floors]
     assert [int(number) for number, *_ in rows] == list(range(len(floors), 0, -1))
+
+
+def test_all_packages_ship_are_typed_and_keep_to_the_contracts() -> None:
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]
+    packages = tools["importlinter"]["root_packages"]
+    assert tools["hatch"]["build"]["targets"]["wheel"]["packages"] == packages
+    assert tools["mypy"]["files"] == [*packages, "scripts"]
+    assert sorted(packages) == sorted(
+        path.parent.name for path in ROOT.glob("*/__init__.py") if path.parent.name != "tests"
+    )

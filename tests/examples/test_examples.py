@@ -19,6 +19,7 @@ import pytest
 
 import troupe
 from sim.result import Result
+from tests import started
 from tests.patience import PATIENCE
 from tests.processes import environment, troupe_command
 from troupe.examples import copy_examples, examples
@@ -163,10 +164,8 @@ def test_the_share_that_has_been_visited_is_kept_as_csv(
 
 def test_the_median_miss_grows_with_the_error_of_the_odometry(copies: Path) -> None:
     folder = copies / "09_dead_reckoning"
-    done = subprocess.run(
-        troupe_command("sweep", "sweep.yaml", "--seeds", "0:2", "--out", "runs", "--jobs", "1"),
-        cwd=folder, env=environment(), capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    words = ("sweep", "sweep.yaml", "--seeds", "0:2", "--out", "runs", "--jobs", "1")
+    done = started.troupe(*words, cwd=folder)
     assert done.returncode == 0, done.stderr
     misses: dict[float, list[float]] = {}
     with (folder / "runs" / "results.csv").open(newline="") as file:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,8 @@ import yaml
 
 import troupe
 from controllers.paint.constants import OVERLAP
-from tests.processes import ROOT, environment, troupe_command
+from tests import started
+from tests.processes import ROOT
 from troupe.testing.paint.judge import judged_run, reported_goal
 
 WORLDS = ROOT / "worlds"
@@ -136,13 +136,10 @@ def test_names_order_in_the_file_and_the_arenas_place_make_no_difference(tmp_pat
 def test_a_wrong_number_of_robots_ends_with_a_message_and_no_contact(
     told: int, message: str
 ) -> None:
-    done = subprocess.run(
-        troupe_command(
-            "run", str(WORLDS / "paint_case_2.yaml"), "--seed", "1", "--json",
-            "--set", f"controllers.paint.args.robots={told}",
-        ),
-        env=environment(), capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    setting = f"controllers.paint.args.robots={told}"
+    done = started.troupe(
+        "run", WORLDS / "paint_case_2.yaml", "--seed", "1", "--json", "--set", setting
+    )
     result = json.loads(done.stdout)
     assert done.returncode == 1
     assert result["outcome"] == "controller_failed"

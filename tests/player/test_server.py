@@ -33,7 +33,14 @@ from wire_talk import (
 from player.codes import DeviceAddr
 from player.directory import Directory
 from player.server import HELD_FOR, Connected, Disconnected, Server
-from player.session import Command, DataRequested, Malformed, Request, Subscribed
+from player.session import (
+    Command,
+    DataRequested,
+    Malformed,
+    ModeChanged,
+    Request,
+    Subscribed,
+)
 from tests.patience import PATIENCE
 
 BASE = DeviceAddr(POSITION2D, 0)
@@ -148,8 +155,8 @@ def test_small_messages_are_not_held_back_by_nagle(server, sockets):
     assert connection._socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
-def test_quick_acknowledgement_is_asked_for_after_every_receive(server, sockets, monkeypatch):
-    """Linux takes it back by itself, and then each of the client's writes waits 40 ms."""
+def test_who_may_have_more_to_say_is_acknowledged_at_once(server, sockets, monkeypatch):
+    """Linux takes that back by itself, and then each of the client's writes waits 40 ms."""
     asked = []
     monkeypatch.setattr("player.server.quick_acknowledge", asked.append)
     client = sockets(server.listen("127.0.0.1", 0, directory()))
@@ -158,6 +165,32 @@ def test_quick_acknowledgement_is_asked_for_after_every_receive(server, sockets,
         client.sendall(velocity(1.0))
         server.poll(PATIENCE)
         assert asked == [connection._socket] * times
+
+
+def test_who_waits_for_data_is_acknowledged_with_the_data(server, sockets, monkeypatch):
+    asked = []
+    monkeypatch.setattr("player.server.quick_acknowledge", asked.append)
+    client = sockets(server.listen("127.0.0.1", 0, directory()))
+    handle(server, [Connected])
+    client.sendall(data_mode(PULL))
+    handle(server, [ModeChanged])
+    assert len(asked) == 1
+    client.sendall(velocity(1.0) + ASK)
+    handle(server, [Command, DataRequested])
+    assert len(asked) == 1
+
+
+def test_a_request_that_nagle_has_held_back_is_heard_with_the_command_before_it(
+    server, sockets, monkeypatch
+):
+    """It is on its way as soon as the command is acknowledged."""
+    ours, client = sockets.pair()
+    monkeypatch.setattr("player.server.quick_acknowledge", lambda sock: client.sendall(ASK))
+    connection = server._add(ours, directory(), False, "as if over TCP", 6665)
+    connection.session.receive(data_mode(PULL))
+    client.sendall(velocity(1.0))
+    heard = [type(event) for _, event in server.poll(PATIENCE)]
+    assert heard == [Command, DataRequested]
 
 
 def test_an_adopted_socket_speaks_the_same_protocol(server, sockets):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from hypothesis import strategies as st
 import troupe
 from sim import strictjson
 from sim.result import FloorRecord, Result, RobotRecord
-from tests.processes import environment, troupe_command
+from tests import started
 
 World = Callable[..., Path]
 
@@ -80,13 +79,7 @@ with PlayerClient() as robot:
 def test_what_is_reported_is_refused_or_comes_out_as_valid_json(world_with: World) -> None:
     texts = [*REFUSED, *TAKEN]
     path = world_with(REPORTS.format(texts=json.dumps(texts)), duration=0.5)
-    done = subprocess.run(
-        troupe_command("run", str(path), "--json"),
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = started.troupe("run", path, "--json")
     assert done.returncode == 0, done.stderr
     properties = strict(done.stdout)["robots"][0]["properties"]
     taken = [f"key{number}" for number in range(len(REFUSED), len(texts))]

@@ -12,6 +12,7 @@ from pathlib import Path
 import av
 import pytest
 
+from tests import started
 from tests.processes import ROOT, all_gone, environment
 
 STRUCK = ROOT / "tests" / "troupe" / "struck.py"
@@ -19,20 +20,27 @@ TICKS = 10  # of the world that is run
 
 
 def struck(
-    place: str, folder: Path, *more: str, times: int = 1, number: int = signal.SIGINT
+    place: str,
+    folder: Path,
+    *more: str,
+    times: int = 1,
+    number: int = signal.SIGINT,
+    fresh: bool = False,
 ) -> subprocess.CompletedProcess[str]:
-    """A run of `wander` with a video that gets signals at a place."""
+    """A run of `wander` with a video that gets signals at a place; `fresh`: nothing is loaded."""
     mark = uuid.uuid4().hex
     words = ["run", "wander", "--duration", "1", "--json", "--video", str(folder / "run.mp4")]
-    done = subprocess.run(
-        [sys.executable, str(STRUCK), place, str(times), *words, *more],
-        env=environment(SIGNAL=str(int(number)), TROUPE_TEST_MARK=mark),
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
+    variables = {"SIGNAL": str(int(number)), "TROUPE_TEST_MARK": mark}
+    if fresh:
+        done = subprocess.run(
+            [sys.executable, str(STRUCK), place, str(times), *words, *more],
+            env=environment(**variables), cwd=folder, capture_output=True, text=True, check=False,
+            timeout=600,
+        )  # fmt: skip
+    else:
+        done = started.troupe(
+            place, str(times), *words, *more, cwd=folder, program=STRUCK, **variables
+        )
     assert all_gone(mark)
     return done
 
@@ -51,14 +59,14 @@ def frames(video: Path) -> int:
         "import:numba",
         "sim.fleet.fleet:Fleet.__init__:after",
         "troupe.warm:warm_once",
-        "sim.build:load",
+        "troupe.world:load",
         "sim.build:LoadedWorld",
     ],
 )
 def test_before_there_is_anything_to_lose_the_command_ends_at_once(
     place: str, tmp_path: Path
 ) -> None:
-    done = struck(place, tmp_path)
+    done = struck(place, tmp_path, fresh=place.startswith("import:"))
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
     assert list(tmp_path.iterdir()) == []
 
@@ -102,15 +110,13 @@ def test_a_polite_kill_and_a_closed_terminal_are_the_same(number: int, tmp_path:
     done = struck("sim.video.encode:H264Encoder.close", tmp_path, number=number)
     assert done.returncode == 130
     assert json.loads(done.stdout)["ticks"] == TICKS
-    assert struck("sim.build:load", tmp_path, number=number).returncode == 130
+    assert struck("troupe.world:load", tmp_path, number=number).returncode == 130
 
 
 def test_the_plain_summary_is_printed_to_its_end(tmp_path: Path) -> None:
     words = ["run", "wander", "--duration", "1"]
-    done = subprocess.run(
-        [sys.executable, str(STRUCK), "troupe.summary:summary:after", "1", *words],
-        env=environment(), cwd=tmp_path, capture_output=True, text=True, check=False, timeout=600,
-    )  # fmt: skip
+    place = "troupe.summary:summary:after"
+    done = started.troupe(place, "1", *words, cwd=tmp_path, program=STRUCK)
     assert done.returncode == 130
     assert "rover4" in done.stdout
 

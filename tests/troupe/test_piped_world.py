@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 import threading
 from pathlib import Path
 
 import pytest
 
+from tests import started
 from tests.patience import PATIENCE
 from tests.processes import environment
 from troupe.worlds import find_world
@@ -37,7 +37,7 @@ def test_a_piped_world_finds_its_map_from_the_current_folder(
     folder: Path, command: str, words: str
 ) -> None:
     done = subprocess.run(
-        ["bash", "-c", f'"$0" -m troupe {command} {words}', sys.executable],
+        ["bash", "-c", f'"$@" {command} {words}', "bash", *started.command()],
         env=environment(),
         cwd=folder,
         capture_output=True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -10,12 +11,10 @@ import av
 import cv2
 import numpy as np
 import pytest
-from mcap.writer import Writer
 from typer.testing import CliRunner
 
 import troupe
 from sim.interrupts import Interrupts
-from sim.log.container import LogFile
 from sim.log.playback import Playback
 from sim.log.reader import LogReader
 from tests.troupe.own_sensor import example
@@ -23,6 +22,7 @@ from troupe.app import app
 from troupe.filmed import Filmed
 from troupe.log import LogError
 from troupe.render import render
+from troupe.show import Screen
 from troupe.usage import UsageError
 
 WORLD = """\
@@ -150,6 +150,27 @@ def test_a_rendered_picture_is_that_of_the_run(kept: Kept) -> None:
     assert (cv2.imread(str(again)) == cv2.imread(str(kept.still))).all()
 
 
+def test_rendering_tells_how_far_it_has_come(kept: Kept) -> None:
+    told: list[tuple[float, float]] = []
+    render(
+        kept.log,
+        Filmed(picture=kept.folder / "told.svg", at=5.0),
+        progress=lambda *both: told.append(both),
+    )
+    assert told == [(pytest.approx(0.1 * tick), 5.0) for tick in range(1, 51)]
+
+
+def test_a_terminal_gets_a_bar_while_a_log_is_rendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True  # type: ignore[method-assign]
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with Screen(quiet=False) as screen:
+        screen.rendered(5.0, 20.0)
+        screen.bar.refresh()
+    assert "5.0 s of 20" in terminal.getvalue()
+
+
 def test_what_shows_at_the_end_is_what_the_run_showed(kept: Kept) -> None:
     world = kept.folder / "world.yaml"
     mine, theirs = kept.folder / "mine.svg", kept.folder / "theirs.svg"
@@ -229,58 +250,6 @@ def test_options_that_cannot_be_are_refused(kept: Kept, options: list[str], mess
     assert message in done.stderr
 
 
-def bad_logs(kept: Kept) -> dict[str, tuple[bytes, str]]:
-    """Files that are no logs of this version, and what is said of them."""
-    later = kept.folder / "later.mcap"
-    file = LogFile(later, "troupe 99.0")
-    file.note("troupe", {"format": "99", "version": "\x1b[31m99.0"})
-    file.finish()
-    file.close()
-    lame = kept.folder / "lame.mcap"
-    file = LogFile(lame, "troupe")
-    file.note("troupe", {"format": "1", "seed": "many"})
-    for name, data in troupe.Log(kept.log)._reader.attachments().items():
-        file.attach(name, "", data)
-    file.finish()
-    file.close()
-    foreign = kept.folder / "foreign.mcap"
-    with foreign.open("wb") as file:
-        writer = Writer(file)
-        writer.start(library="\x1b[31mother")
-        writer.finish()
-    whole = kept.log.read_bytes()
-    return {
-        "text.mcap": (b"size: [3, 3]\n", "is not an MCAP file"),
-        "empty.mcap": (b"", "is not an MCAP file"),
-        "cut.mcap": (whole[: len(whole) // 2], "log recover"),
-        "foreign.mcap": (foreign.read_bytes(), "not written by Troupe"),
-        "later.mcap": (later.read_bytes(), "later version of Troupe"),
-        "lame.mcap": (lame.read_bytes(), "its seed cannot be read"),
-    }
-
-
-@pytest.mark.parametrize(
-    "words",
-    [("render", "--picture", "x.svg"), ("report", "-o", "x.html"), ("view", "--no-open")],
-    ids=lambda words: words[0],
-)
-def test_what_is_no_log_is_told_with_what_to_do(
-    kept: Kept, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(kept.folder)
-    for name, (data, message) in bad_logs(kept).items():
-        path = kept.folder / f"bad-{name}"
-        path.write_bytes(data)
-        done = CliRunner().invoke(app, [words[0], str(path), *words[1:]])
-        assert done.exit_code == 2, name
-        assert message in done.stderr
-        assert "\x1b" not in done.output
-    done = CliRunner().invoke(app, [words[0], "missing.mcap", *words[1:]])
-    assert done.exit_code == 2
-    assert "missing.mcap" in done.stderr
-    assert not [path for path in kept.folder.iterdir() if path.name.startswith("x.")]
-
-
 def test_a_log_with_damage_inside_is_told_and_what_came_before_is_kept(kept: Kept) -> None:
     data = bytearray(kept.log.read_bytes())
     chunk = troupe.Log(kept.log)._reader.chunks[-1]
@@ -291,29 +260,7 @@ def test_a_log_with_damage_inside_is_told_and_what_came_before_is_kept(kept: Kep
         render(path, Filmed(video, speed=4.0))
 
 
-def test_names_of_escape_codes_print_none(tmp_path: Path) -> None:
-    world = {"size": [5, 5], "duration": 1, "robots": [{"name": "a", "model": "m"}],
-             "models": {"m": {"body": {"shape": "circle", "radius": 0.3}}}}  # fmt: skip
-    world["robots"][0]["pose"] = [2, 2, 0]
-    with troupe.Simulation(world, log=tmp_path / "run.mcap") as sim:
-        sim._engine.robots[0].record.name = "\x1b[31mred"  # no world file may have it
-        sim.step(3)
-    log = str(tmp_path / "run.mcap")
-    for words in (
-        ["render", log, "--picture", str(tmp_path / "x.svg")],
-        ["report", log, "-o", str(tmp_path / "x.html")],
-        ["log", "info", log],
-    ):
-        done = CliRunner().invoke(app, words)
-        assert done.exit_code == 0, done.output
-        assert "\x1b" not in done.output
-    assert "\x1b" not in (tmp_path / "x.svg").read_text()
-    assert "\x1b" not in (tmp_path / "x.html").read_text()
-
-
-def test_a_log_that_is_not_there_is_told() -> None:
-    with pytest.raises(LogError, match="no-such"):
-        render(Path("no-such.mcap"), Filmed(picture="x.svg"))
+def test_there_must_be_something_to_be_made() -> None:
     with pytest.raises(UsageError, match="nothing to be made"):
         render(Path("no-such.mcap"), Filmed())
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,24 +11,11 @@ from typer.testing import CliRunner
 
 import troupe as package
 from sim.result import RobotRecord
-from tests.patience import PATIENCE
-from tests.processes import environment, troupe_command
+from tests.started import troupe
 from troupe.app import app
 from troupe.commands.run import run
 from troupe.summary import robot_line
 from troupe.worlds import world_names
-
-
-def troupe(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        troupe_command(*words),
-        env=environment(),
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
 
 
 def test_a_world_that_comes_with_troupe_runs_by_name_from_anywhere(tmp_path: Path) -> None:
@@ -229,7 +215,9 @@ def test_every_option_of_every_command_tells_its_default() -> None:
     """But those that are on or off, which are off."""
     group = typer.main.get_command(app)
     assert isinstance(group, typer.core.TyperGroup)
-    for name, command in group.commands.items():
+    for name in group.list_commands(None):  # type: ignore[arg-type]
+        command = group.get_command(None, name)  # type: ignore[arg-type]
+        assert command is not None
         shown = CliRunner().invoke(app, [name, "--help"]).stdout
         told = [one for one in command.params if not getattr(one, "hidden", False)]
         valued = [one for one in told if not one.required and not getattr(one, "is_flag", False)]

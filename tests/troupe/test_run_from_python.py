@@ -12,12 +12,12 @@ import pytest
 import troupe
 from sim.video.errors import VideoError
 from sim.worldfile import WorldError
+from troupe.address import parse_address
 from troupe.commands.run import run as command
-from troupe.running import parse_listen
 from troupe.setting import as_text
 from troupe.usage import UsageError
 
-SHOWN = {"as_json", "quiet", "view", "view_at", "no_open", "read_only"}
+SHOWN = {"as_json", "quiet", "view", "no_open", "read_only"}
 """Options about what is printed, and what a browser shows."""
 
 
@@ -70,9 +70,9 @@ def test_addresses_and_sizes_are_text_or_pairs(tmp_path: Path, listen: Any, size
 
 
 def test_a_port_alone_is_one_of_this_machine() -> None:
-    assert parse_listen("6665") == ("127.0.0.1", 6665)
-    assert parse_listen(":6665") == ("127.0.0.1", 6665)
-    assert parse_listen("[::1]:6665") == ("::1", 6665)
+    assert parse_address("listen", "6665") == ("127.0.0.1", 6665)
+    assert parse_address("listen", ":6665") == ("127.0.0.1", 6665)
+    assert parse_address("listen", "[::1]:6665") == ("::1", 6665)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import math
 import os
+import pickle
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -126,6 +127,34 @@ def test_what_is_asked_are_copies_with_the_documented_shapes() -> None:
         assert sim.picture((200, 160)).shape == (160, 200, 3)
         assert sim._repr_png_()[:4] == b"\x89PNG"
         assert sim.view().poses.shape == (2, 3)
+
+
+def test_readings_stay_what_they_were_whenever_one_looks_at_them() -> None:
+    def drive(sim: troupe.Simulation) -> None:
+        sim.command(forward=0.3, turn=0.2)
+        sim.step()
+
+    with (
+        troupe.Simulation(WORLD, controllers=False) as sim,
+        troupe.Simulation(WORLD, controllers=False) as other,
+    ):
+        kept, looked_at = [], []
+        for _ in range(4):
+            kept.append(sim.readings("laser"))
+            looked_at.append(other.readings("laser").data)
+            drive(sim)
+            drive(other)
+        kept.append(sim.readings("laser"))
+        looked_at.append(other.readings("laser").data)
+        sim.set_pose("one", (4.0, 2.0, 1.0))
+        sim.reset()
+    for one, then in zip(kept, looked_at, strict=True):
+        again = pickle.loads(pickle.dumps(one))
+        assert np.array_equal(one.ranges, then.ranges)
+        assert np.array_equal(one.hits, then.hits)
+        assert one.ranges is one.data.ranges
+        assert np.array_equal(again.ranges, then.ranges)
+    assert not np.array_equal(kept[0].ranges, kept[3].ranges)
 
 
 def test_readings_that_are_asked_late_are_those_that_were_read_all_along() -> None:

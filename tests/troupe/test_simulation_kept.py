@@ -13,6 +13,7 @@ import pytest
 import troupe
 from sim.log.reader import LogReader
 from sim.log.replay import check
+from troupe.live import watch
 from troupe.usage import UsageError
 
 sys.path.insert(0, str(Path(__file__).parent / "live"))
@@ -64,6 +65,47 @@ def test_a_stepped_run_has_the_same_digest_with_a_log_and_its_log_checks_equal(
     assert log.result["digest"] == plain
     assert log.scans("a").ranges.shape == (20, 5)
     assert check(LogReader(log.path), plain).equal
+
+
+PUSHED = {
+    **WORLD,
+    "obstacles": [
+        {"shape": "box", "size": [1, 1], "pose": [4, 5, 0], "movable": True},
+        {"shape": "box", "size": [1, 1], "pose": [7, 1, 0], "movable": True, "name": "crate"},
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def moved(tmp_path_factory: pytest.TempPathFactory) -> LogReader:
+    """The log of a run in which a hand puts the crate in the way of `a`, which drives into it."""
+    path = tmp_path_factory.mktemp("moved") / "run.mcap"
+    with troupe.Simulation(PUSHED, log=path) as sim:
+        sim.command("a", forward=0.4, turn=0.0)
+        for tick in range(25):
+            if tick == 5:
+                assert watch.put_thing(sim._engine, 1, (3.2, 2.1, 0.3))
+            sim.step()
+    return LogReader(path)
+
+
+def test_a_thing_that_a_hand_has_moved_is_in_the_log_and_moved_again_by_check(
+    moved: LogReader,
+) -> None:
+    [(_, hands)] = moved.messages("/troupe/hands")
+    assert (hands["tick"], hands["numbers"].tolist()) == (6, [1])
+    assert hands["things"].tolist() == [True]
+    assert hands["poses"].tolist() == [3.2, 2.1, 0.3]
+    assert check(moved, None).equal
+
+
+def test_check_names_a_thing_that_does_not_lie_where_it_did(
+    moved: LogReader, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sim.log.replay.by_hand", lambda stage, hands: None)
+    verdict = check(moved, None)
+    assert (verdict.tick, verdict.who) == (6, "crate")
+    assert verdict.difference[0] > 3.0
 
 
 def test_each_run_after_a_reset_has_a_log_of_its_own(tmp_path: Path) -> None:

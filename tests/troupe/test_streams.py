@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests import started
 from tests.patience import PATIENCE
 from tests.processes import environment
 from troupe.show import Screen
@@ -105,7 +106,6 @@ def test_nothing_foreign_that_a_command_prints_is_obeyed_by_the_terminal(tmp_pat
         f'controllers: {{"c{quoted}": {{program: "./p{quoted}.py"}}}}\n'
         f'include: "i{quoted}.yaml"\n'
     )
-    words = [sys.executable, "-m", "troupe"]
     for command in (
         ["check", f"{folder}/good{evil}.yaml", f"{folder}/bad{evil}.yaml", f"{folder}/no{evil}"],
         ["run", f"{folder}/bad{evil}.yaml"],
@@ -115,10 +115,8 @@ def test_nothing_foreign_that_a_command_prints_is_obeyed_by_the_terminal(tmp_pat
         ["import", f"{folder}/no{evil}.world"],
         ["run", f"{folder}/good{evil}.yaml", "--duration", "0.1", "--patience", "0.1"],
     ):
-        done = subprocess.run(
-            [*words, *command], env=environment(), capture_output=True, check=False, timeout=600
-        )
-        told = (done.stdout + done.stderr).decode()
+        done = started.troupe(*command)
+        told = done.stdout + done.stderr
         assert done.returncode in (1, 2)
         assert "pwned" in told
         assert not {character for character in told if character in "\x1b\x07\u202e"}

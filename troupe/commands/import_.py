@@ -29,8 +29,9 @@ def import_(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o",
+            "--out",
             "--output",
+            "-o",
             metavar="WORLD.yaml",
             help="Where to write it.",
             show_default="FILE.yaml in the current folder",

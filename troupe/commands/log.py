@@ -57,7 +57,7 @@ def export(
     path: File,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FILE.parquet|.csv", help="Where it goes."),
+        typer.Option("--out", "--output", "-o", metavar="FILE.parquet|.csv", help="Where it goes."),
     ],
     table: Annotated[
         str, typer.Option(help="poses, commands, scans (of --log-sensors) or events.")
@@ -110,7 +110,7 @@ def check(path: File) -> None:
         where = "where it starts" if verdict.tick == 0 else when
         print(
             printable(
-                f"not equal: first {verdict.robot} at {where}: "
+                f"not equal: first {verdict.who} at {where}: "
                 f"off by {x:.3g} m, {y:.3g} m, {yaw:.3g} rad"
             )
         )
@@ -125,7 +125,11 @@ def recover(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FILE.mcap", help="Default: NAME-recovered.mcap beside it."
+            "--out",
+            "--output",
+            "-o",
+            metavar="FILE.mcap",
+            help="Default: NAME-recovered.mcap beside it.",
         ),
     ] = None,
 ) -> None:

@@ -13,6 +13,7 @@ from sim.interrupts import Interrupts
 from troupe import film_options as options
 from troupe.filmed import Filmed
 from troupe.interrupts import EXIT_CODE, leave
+from troupe.show import Screen
 from troupe.usage import UsageError, told
 
 
@@ -40,8 +41,11 @@ def render(
     interrupts = Interrupts(again=leave)
     code = 0
     try:
-        filmed = Filmed(video, video_fps, video_speed, video_size, video_show, picture, at)
-        error = made_of(log, filmed, say=tell, interrupts=interrupts)
+        with Screen(quiet=False) as screen:
+            filmed = Filmed(video, video_fps, video_speed, video_size, video_show, picture, at)
+            error = made_of(
+                log, filmed, say=screen.say, progress=screen.rendered, interrupts=interrupts
+            )
         if error is not None:
             tell(error)
             code = 1

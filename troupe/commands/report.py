@@ -23,7 +23,7 @@ def report(
         ),
     ],
     out: Annotated[
-        Path, typer.Option("-o", "--out", metavar="FILE", help="The page to be written.")
+        Path, typer.Option("--out", "-o", metavar="FILE", help="The page to be written.")
     ],
     format_: Annotated[
         str | None,

@@ -15,11 +15,11 @@ import typer
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
 from troupe import film_options as options
+from troupe.address import parse_address
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
 from troupe.streams import OutputLost, ReaderGone
 from troupe.usage import UsageError, told
-from troupe.view_option import parse_address
 
 if TYPE_CHECKING:
     from troupe.live.opening import LiveView, LogView
@@ -77,8 +77,9 @@ def run(
     log_sensors: Annotated[
         str | None,
         typer.Option(
-            metavar="all|NAMES",
-            help="Keep readings in the log as well: all, or laser,blobfinder,odometry,...",
+            metavar="[NAMES]",
+            help="Keep readings in the log as well: all of them, or those named: "
+            "laser,blobfinder,odometry,...",
             show_default="as the world says, or none",
         ),
     ] = None,
@@ -93,8 +94,8 @@ def run(
     realtime: Annotated[
         float | None,
         typer.Option(
-            metavar="FACTOR",
-            help="Hold the run to the wall clock: 1 is real time.",
+            metavar="[FACTOR]",
+            help="Hold the run to the wall clock: to real time, or to a multiple of it.",
             show_default="as fast as possible",
         ),
     ] = None,
@@ -115,20 +116,11 @@ def run(
         ),
     ] = None,
     view: Annotated[
-        bool,
-        typer.Option(
-            "--view",
-            help="Show the run live in a browser. HOST:PORT may follow; else it is a free port of "
-            "this machine.",
-        ),
-    ] = False,
-    view_at: Annotated[
         str | None,
         typer.Option(
-            metavar="HOST:PORT",
-            help="What stands behind --view: its address, where it is to be another one.",
-            show_default="127.0.0.1, a free port",
-            hidden=True,
+            metavar="[HOST:PORT]",
+            help="Show the run live in a browser, at a free port of this machine unless told.",
+            show_default="it is not shown",
         ),
     ] = None,
     no_open: Annotated[
@@ -158,7 +150,7 @@ def run(
         world,
         as_json=as_json,
         quiet=quiet,
-        watched=Watched(view_at, not no_open, read_only) if view or view_at else None,
+        watched=None if view is None else Watched(view or None, not no_open, read_only),
         seed=seed,
         duration=duration,
         settings=set_ or [],

@@ -31,7 +31,9 @@ def sweep(
     ],
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="The sweep's folder.", show_default="required"),
+        typer.Option(
+            "--out", "-o", metavar="DIR", help="The sweep's folder.", show_default="required"
+        ),
     ] = None,
     seeds: Annotated[
         str | None,

@@ -60,7 +60,7 @@ def view(
     ] = None,
     realtime: Annotated[
         float,
-        typer.Option(metavar="FACTOR", help="The pace at first; the page can change it."),
+        typer.Option(metavar="[FACTOR]", help="The pace at first; the page can change it."),
     ] = 1.0,
     listen: Annotated[
         str | None,

@@ -14,8 +14,11 @@ FASTEST, SLOWEST = 1000.0, 0.01
 MOST_STEPS = 1000
 MOST_SELECTED = 8
 """Robots whose sensors and cards one page gets."""
-DOINGS = frozenset({"pause", "go", "step", "pace", "again", "put", "put_thing", "drive", "seek"})
-"""What reaches into the run; a viewer that may only look on is refused it."""
+DOINGS = frozenset(
+    {"pause", "go", "step", "pace", "again", "put", "put_thing", "drive", "take", "give", "seek",
+     "world"}
+)  # fmt: skip
+"""What reaches into the run, or into its file; a viewer that may only look on is refused it."""
 
 
 class Malformed(ValueError):
@@ -52,7 +55,7 @@ def parse_ask(text: str | bytes) -> Ask:
     if not isinstance(told, dict):
         raise Malformed("not an object")
     match told.get("do"):
-        case "seen" | "pause" | "go" as do:
+        case "seen" | "pause" | "go" | "world" as do:
             return Ask(do)
         case "step":
             return Ask("step", count=_whole(told.get("ticks", 1), 1, MOST_STEPS))
@@ -69,6 +72,8 @@ def parse_ask(text: str | bytes) -> Ask:
         case "put" | "put_thing" as do:
             numbers = _three(told.get("pose"))
             return Ask(do, _whole(told.get("robot"), 0, 1 << 31), numbers)
+        case "take" | "give" as do:
+            return Ask(do, _whole(told.get("robot"), 0, 1 << 31))
         case "drive":
             numbers = _three(told.get("twist"))
             return Ask("drive", _whole(told.get("robot"), 0, 1 << 31), numbers)

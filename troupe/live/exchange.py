@@ -31,6 +31,8 @@ class Exchange:
         """How many there were: a run that begins again has another."""
         self.moment: Moment | None = None
         self.moments = 0
+        self.world: Callable[[Moment], str] | None = None
+        """Makes the text of a world file that begins as a moment is; None: of a log."""
         self.hungry = False
         """Whether a viewer waits for a moment."""
         self.selected: frozenset[int] = frozenset()

@@ -75,8 +75,8 @@ class Served:
         self.server.close()
 
 
-class LiveView:
-    """Shows runs to browsers as long as it is entered: see `Served`.
+class LiveView(Served):
+    """Shows runs to browsers as long as it is entered.
 
     `paused`: the first run stands at its beginning. `stays`: the page stays when the run is over,
     until `going_on()` is False. `again`: whether a run may be begun again.
@@ -95,23 +95,10 @@ class LiveView:
         say: Callable[[str], None],
         warn: Callable[[str], None],
     ) -> None:
+        super().__init__(host, port, browser=browser, read_only=read_only, say=warn)
         self.stays = stays
-        self.say = say
-        self.served = Served(host, port, browser=browser, read_only=read_only, say=warn)
-        self.exchange, self.server = self.served.exchange, self.served.server
+        self.tell = say
         self.watch = Watch(self.exchange, paused=paused, again=again)
-
-    def __enter__(self) -> Self:
-        self.served.__enter__()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.served.__exit__(kind, error, trace)
 
     def each_tick(self, engine: Engine) -> None:
         """To be called after every tick."""
@@ -125,7 +112,7 @@ class LiveView:
         """A run has ended; the seed of another one that is asked for, None: no more."""
         self.watch.finish(outcome)
         if self.stays and self.watch.restart is None and going_on():
-            self.say("the run is over; its view stays until you press Ctrl-C")
+            self.tell("the run is over; its view stays until you press Ctrl-C")
             while self.watch.restart is None and going_on():
                 self.watch.linger()
                 sleep(LOOK_AGAIN)
@@ -134,7 +121,7 @@ class LiveView:
         return seed
 
 
-class LogView:
+class LogView(Served):
     """Shows a log to browsers as long as it is entered, from second `start` of it on."""
 
     def __init__(
@@ -151,7 +138,7 @@ class LogView:
         """Raises LogError for a log of whose run nothing can be shown."""
         from troupe.live.playing import Playing  # noqa: PLC0415 - a run needs nothing of it
 
-        self.served = Served(
+        super().__init__(
             host,
             port,
             browser=browser,
@@ -160,20 +147,7 @@ class LogView:
             what="watch, and say what the others see",
             place=f"#t={start:g}" if start else "",
         )
-        self.server = self.served.server
-        self.playing = Playing(log, self.served.exchange, start=start)
-
-    def __enter__(self) -> Self:
-        self.served.__enter__()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.served.__exit__(kind, error, trace)
+        self.playing = Playing(log, self.exchange, start=start)
 
     def play(self, going_on: Callable[[], bool]) -> None:
         """Show the log until `going_on()` is False."""

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MOST_FANS = 32
 """Robots up to which the readings of all of them show; of more, those of who is selected."""
+MOST_TOLD, MOST_SAID = 12, 20
+"""Lines of a controller's output, and of what it said, on its robot's card."""
 
 
 def scene_of(

@@ -28,7 +28,7 @@ from sim.view.frames import Told, encode_moment, encode_scene
 from sim.view.moment import Scene
 from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
 from troupe.live.entrance import answer
-from troupe.live.exchange import Exchange
+from troupe.live.exchange import MOST_ASKED, Exchange
 
 MOST_VIEWERS = 32
 LONGEST_ASK = 4096
@@ -39,6 +39,8 @@ UNDER_WAY = 2
 """Moments that a page has been sent and has not drawn yet."""
 LAST_WORDS = 2.0
 """Wall-clock seconds within which pages are to have taken what a run ended with."""
+PROMPT = 0.5
+"""Wall-clock seconds within which a page that is awake has drawn a moment, and said goodbye."""
 POLICY, GOING_AWAY = 1008, 1001
 """Codes by which a WebSocket is closed: what was sent is not allowed; we go."""
 START_LIMIT = 60.0
@@ -56,7 +58,11 @@ class Viewer:
         self.under_way = 0
         self.selected: tuple[int, ...] = ()
         self.drives: set[int] = set()
-        """Robots that it drives: they stop when it goes."""
+        self.holds: set[int] = set()
+        """Robots that it drives: they stop when it goes. Those that it has taken are given back."""
+        self.wants_world = False
+        self.since = monotonic()
+        """Since when the first moment under way waits to be drawn."""
         self.news = asyncio.Event()
         self.credit = BURST
         self.counted = monotonic()
@@ -65,6 +71,22 @@ class Viewer:
     def hungry(self) -> bool:
         """Whether it has drawn what it was sent."""
         return self.under_way < UNDER_WAY
+
+    @property
+    def answers(self) -> bool:
+        """Whether it draws what it gets."""
+        return not self.under_way or monotonic() - self.since < PROMPT
+
+    def note(self, ask: Ask) -> None:
+        """Keep in mind which robots are to be let go when it goes."""
+        for kept, begins, ends in (
+            (self.drives, ask.do == "drive" and any(ask.numbers), ask.do == "drive"),
+            (self.holds, ask.do == "take", ask.do == "give"),
+        ):
+            if begins and len(kept) < MOST_ASKED:
+                kept.add(ask.robot)
+            elif ends:
+                kept.discard(ask.robot)
 
     def affords(self) -> bool:
         """Count one message; whether it keeps to the rate."""
@@ -89,6 +111,7 @@ class LiveServer:
         self._thread = threading.Thread(target=self._loop.run_forever, name="live", daemon=True)
         self._listening: Listening | None = None
         self._spent = 0.0
+        self._closing = False
 
     def open(self, host: str, port: int) -> None:
         """Listen at an address, port 0 for any free one; raises OSError where it cannot be had."""
@@ -137,22 +160,31 @@ class LiveServer:
         self.port = next(iter(self._listening.sockets)).getsockname()[1]
 
     async def _close(self) -> None:
+        self._closing = True
         self._wake_all()
         until = monotonic() + LAST_WORDS
-        late = [self._is_done(viewer, until) for viewer in self.viewers]
-        await asyncio.gather(*late)
-        closing = [viewer.line.close(GOING_AWAY, "the run is over") for viewer in self.viewers]
-        await asyncio.gather(*closing, return_exceptions=True)
+        await asyncio.gather(*[self._is_done(viewer, until) for viewer in self.viewers])
+        await asyncio.gather(*map(self._leave, self.viewers), return_exceptions=True)
         if self._listening is not None:
             self._listening.close()
             await self._listening.wait_closed()
 
     async def _is_done(self, viewer: Viewer, until: float) -> None:
-        """Wait until a viewer has the last moment, or the time is up."""
-        while viewer in self.viewers and monotonic() < until:
+        """Wait until a viewer has drawn the last moment, or does not answer, or the time is up."""
+        while viewer in self.viewers and viewer.answers and monotonic() < until:
             if viewer.moments == self.exchange.moments and not viewer.under_way:
                 return
             await asyncio.sleep(0.01)
+
+    async def _leave(self, viewer: Viewer) -> None:
+        """Say goodbye; who stands, as in a debugger, cannot, and is not waited for."""
+        goodbye = viewer.line.close(GOING_AWAY, "the run is over")
+        if viewer.answers:
+            await goodbye
+            return
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(goodbye, PROMPT)
+        viewer.line.transport.abort()
 
     def _entrance(self, line: ServerConnection, request: Request) -> Response | None:
         """Answer plain HTTP; None lets a WebSocket through."""
@@ -198,21 +230,28 @@ class LiveServer:
             sending.cancel()
             for robot in viewer.drives:
                 self.exchange.ask(Ask("drive", robot, (0.0, 0.0, 0.0)))
+            for robot in viewer.holds:
+                self.exchange.ask(Ask("give", robot))
             self._select()
             self._count_hungry()
 
     def _obey(self, viewer: Viewer, ask: Ask) -> None:
         if ask.do == "seen":
             viewer.under_way = max(0, viewer.under_way - 1)
+            viewer.since = monotonic()
             viewer.news.set()
             self._count_hungry()
         elif ask.do == "select":
             viewer.selected = ask.robots
             self._select()
             self.exchange.wake()
-        elif not (self.read_only and ask.do in DOINGS):
-            if ask.do == "drive":
-                (viewer.drives.add if any(ask.numbers) else viewer.drives.discard)(ask.robot)
+        elif self.read_only and ask.do in DOINGS:
+            return
+        elif ask.do == "world":
+            viewer.wants_world = True
+            viewer.news.set()
+        else:
+            viewer.note(ask)
             self.exchange.ask(ask)
 
     async def _feed(self, viewer: Viewer) -> None:
@@ -228,9 +267,14 @@ class LiveServer:
                 if viewer.notices != exchange.notices:
                     viewer.notices = exchange.notices
                     messages.append(json.dumps({"notices": exchange.said}))
+                if viewer.wants_world and moment is not None and exchange.world is not None:
+                    viewer.wants_world = False
+                    messages.append(json.dumps({"world": exchange.world(moment)}))
                 fresh = viewer.moments != exchange.moments and viewer.scenes == exchange.scenes
-                if moment is not None and fresh and viewer.hungry:
+                if moment is not None and fresh and (viewer.hungry or self._closing):
                     viewer.moments = exchange.moments
+                    if not viewer.under_way:
+                        viewer.since = monotonic()
                     viewer.under_way += 1
                     messages.append(encode_moment(moment, viewer.told, viewer.selected))
                 self._count_hungry()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -10,12 +11,12 @@ import numpy as np
 
 if TYPE_CHECKING:
     from sim.log.playback import Playback
-    from troupe.log import Driven, Log
+    from troupe.log import Driven, Log, Touch
 
 MOST_MARKS = 2000
 """Of one kind on the time line; of more every so-manieth is left out."""
 MOST_POINTS = 400
-"""Of the curve of coverage."""
+"""Of a measure's curve."""
 LONGEST = 200
 """Characters of a text that stands on the time line."""
 MODES = ("velocity", "speed and curvature", "pose", "speed and heading")
@@ -52,6 +53,8 @@ class Timeline:
         self._lines = History(log.lines, lambda one: one.who, lambda one: one.time)
         self._drivers = History(log.controllers, lambda one: one.robot, lambda one: one.time)
         self._reports = History(log.properties, lambda one: one.robot, lambda one: one.time)
+        self._touches = History(log.touches, lambda one: one.robot, lambda one: one.time)
+        self._log = log
         self._sent = log.commands
         self._order = np.argsort(self._sent["robot"], kind="stable")
         self._of = self._sent["robot"][self._order]
@@ -72,6 +75,23 @@ class Timeline:
     def properties_of(self, name: str, time: float) -> dict[str, Any]:
         """What it has reported."""
         return {one.key: one.value for one in self._reports.until(name, time)}
+
+    def touch(self, robot: int, time: float) -> Touch | None:
+        """When and where it began to touch something last; None: never so far."""
+        found = self._touches.until(self._names[robot], time)
+        return found[-1] if found else None
+
+    def odometry(self, robot: int, time: float) -> list[float] | None:
+        """The pose that it believed to have, x, y, yaw; None where the log has not kept that."""
+        reader, topic = self._log._reader, f"/{self._log.entries[robot].topic}/odom"
+        if topic not in reader.topics:
+            return None
+        end, half = round(time * 1e9), round(0.5e9 * self._log.interval)
+        found = [one["pose"]["pose"] for _, one in reader.messages(topic, end - half, end + half)]
+        if not found:
+            return None
+        at, turned = found[-1]["position"], found[-1]["orientation"]
+        return [at["x"], at["y"], 2.0 * math.atan2(turned["z"], turned["w"])]
 
     def command(self, robot: int, time: float) -> list[Any]:
         """What it was told last, as the live card has it: kind and numbers."""
@@ -95,9 +115,10 @@ def timeline_of(log: Log, playback: Playback) -> Timeline:
     numbers = {name: robot for robot, name in enumerate(playback.names)}
     times = playback.states.times
     covered = log.coverage
-    step = max(1, len(covered) // MOST_POINTS)
-    some = np.flatnonzero(~np.isnan(covered))[::step]
+    some = np.flatnonzero(~np.isnan(covered))
+    some = some[:: max(1, len(some) // MOST_POINTS)]
     result, end = log.result, float(times[-1])
+    touches, ends = once(log.touches), [one for one in log.controllers if one.state != "running"]
     about = {
         "from": float(times[0]),
         "until": end,
@@ -108,19 +129,28 @@ def timeline_of(log: Log, playback: Playback) -> Timeline:
                 for one in log.said
             ]
         ),
-        "touches": thinned(
-            [[one.time, numbers.get(one.robot, -1), *one.point] for one in once(log.touches)]
-        ),
+        "touches": thinned([[one.time, numbers.get(one.robot, -1), *one.point] for one in touches]),
         "ends": thinned(
             [
                 [one.time, numbers.get(one.robot, -1), one.state, (one.error or "")[:LONGEST]]
-                for one in log.controllers
-                if one.state != "running"
+                for one in ends
             ]
         ),
-        "coverage": [[float(times[k]), round(float(covered[k]), 5)] for k in some.tolist()],
+        "measures": {
+            "coverage": [[float(times[k]), round(float(covered[k]), 5)] for k in some.tolist()],
+            "contacts": counted([one.time for one in touches], end),
+            "ended": counted([one.time for one in ends], end),
+        },
     }
     return Timeline(log, about)
+
+
+def counted(times: list[float], end: float) -> list[list[float]]:
+    """How many there were so far, as points (time, number) of a curve; none: no curve."""
+    if not times:
+        return []
+    some = list(enumerate(times, 1))[:: max(1, len(times) // MOST_POINTS)]
+    return [[0.0, 0], *([time, number] for number, time in some), [end, len(times)]]
 
 
 def once(touches: Iterable[Any]) -> list[Any]:

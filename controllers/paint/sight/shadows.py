@@ -37,7 +37,6 @@ class Shadows:
     """
 
     def __init__(self, region: Region, speed: float, time: float = 0.0) -> None:
-        self._region = region
         low = np.array([region.left + HALF, region.bottom + HALF])  # centres are inside of these
         span = np.array([region.right - HALF, region.top - HALF]) - low
         columns = max(1, math.ceil(span[0] / CELL - 1e-6))
@@ -53,6 +52,9 @@ class Shadows:
         centres = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
         depth = region.depth(centres).reshape(rows, columns)
         self.standable: Mask = depth + _HALF_DIAGONAL >= HALF
+        quarters = (centres[:, None, :] + _QUARTERS).reshape(-1, 2)
+        narrow = region.depth(quarters) < HALF - _HALF_DIAGONAL / 2
+        self._narrow: Mask = narrow.reshape(rows, columns, len(_QUARTERS))
         self.possible: Mask = self.standable.copy()
         self._spread_for = CELL / speed  # s in which a robot drives through a cell
         self._spread_at = time - time % self._spread_for
@@ -84,22 +86,25 @@ class Shadows:
     def look(self, scan: Scan) -> None:
         """Clear all places where a body would have been hit by a ray of the scan."""
         rows, columns = np.nonzero(self.possible)
-        if rows.size == 0:
-            return
-        gone = seen_free(scan, self.x[columns], self.y[rows], _HALF_DIAGONAL)
+        x, y = self.x[columns], self.y[rows]
+        ahead = np.flatnonzero(_in_view(scan, x, y, BODY))
+        gone = ahead[seen_free(scan, x[ahead], y[ahead], _HALF_DIAGONAL)]
         self.possible[rows[gone], columns[gone]] = False
-        rows, columns = rows[~gone], columns[~gone]
-        if 0 < rows.size <= FINE:
-            x = (self.x[columns, None] + _QUARTERS[:, 0]).ravel()
-            y = (self.y[rows, None] + _QUARTERS[:, 1]).ravel()
-            free = self._depth(x, y) < HALF - _HALF_DIAGONAL / 2
-            open_ = np.flatnonzero(~free)
-            free[open_] = seen_free(scan, x[open_], y[open_], _HALF_DIAGONAL / 2)
-            gone = free.reshape(-1, len(_QUARTERS)).min(axis=1)
-            self.possible[rows[gone], columns[gone]] = False
+        if 0 < rows.size - gone.size <= FINE:
+            self._look_closely(scan)
 
-    def _depth(self, x: Floats, y: Floats) -> Floats:
-        return self._region.depth(np.stack([x, y], axis=1))
+    def _look_closely(self, scan: Scan) -> None:
+        """Clear the places of which each quarter is seen to be free, or no body has room in it."""
+        rows, columns = np.nonzero(self.possible)
+        free = self._narrow[rows, columns]
+        ahead = _in_view(scan, self.x[columns], self.y[rows], BODY + CELL)
+        open_ = np.flatnonzero(~free & ahead[:, None])
+        cell, quarter = np.divmod(open_, len(_QUARTERS))
+        x = self.x[columns[cell]] + _QUARTERS[quarter, 0]
+        y = self.y[rows[cell]] + _QUARTERS[quarter, 1]
+        free.reshape(-1)[open_] = seen_free(scan, x, y, _HALF_DIAGONAL / 2)
+        gone = free[:, 0] & free[:, 1] & free[:, 2] & free[:, 3]
+        self.possible[rows[gone], columns[gone]] = False
 
     def exclude(self, x: float, y: float, radius: float) -> None:
         """No unseen robot's centre is within `radius` of a point (a body is known to be there)."""
@@ -139,8 +144,9 @@ class Shadows:
 
     def _room(self, first: int, last: int) -> int:
         # Two centres are at least a body apart, and no tile of 2 x 2 cells holds two such points.
-        rows, columns = np.nonzero(self.possible[first:last])
-        return len(np.unique((rows + first) // 2 * 4096 + columns // 2))
+        part = self.possible[first:last]
+        lone = first % 2  # its tile begins below
+        return _tiles(part[:lone]) + _tiles(part[lone:])
 
     def nearest_height(self, y: float, upwards: bool) -> float:
         """The nearest height above (below) y at which an unseen robot may be; infinite if none."""
@@ -165,6 +171,15 @@ class Shadows:
         return np.stack([self.x[columns], self.y[rows]], axis=1)
 
 
+def _tiles(p: Mask) -> int:
+    """How many tiles of 2 x 2 cells, from the first row and column on, have a marked cell."""
+    rows = p[::2].copy()
+    rows[: len(p) // 2] |= p[1::2]
+    tiles = rows[:, ::2].copy()
+    tiles[:, : p.shape[1] // 2] |= rows[:, 1::2]
+    return int(np.count_nonzero(tiles))
+
+
 def _grown(p: Mask, diagonal: bool) -> Mask:
     """What is marked and its neighbours, on every other call those at the corners as well."""
     grown = p.copy()
@@ -175,6 +190,15 @@ def _grown(p: Mask, diagonal: bool) -> Mask:
     sides[:, 1:] |= wide[:, :-1]
     sides[:, :-1] |= wide[:, 1:]
     return sides
+
+
+def _in_view(scan: Scan, x: Floats, y: Floats, within: float) -> Mask:
+    """Whether places (n,) are ahead of the scan's sensor, or less than `within` (m) behind it."""
+    if max(-scan.bearings[0], scan.bearings[-1]) > math.pi / 2 + 1e-6:
+        return np.ones(len(x), bool)  # it looks back as well
+    cos, sin = math.cos(scan.pose.yaw), math.sin(scan.pose.yaw)
+    ahead: Mask = (x - scan.pose.x) * cos + (y - scan.pose.y) * sin > -within
+    return ahead
 
 
 def seen_free(scan: Scan, x: Floats, y: Floats, around: float) -> Mask:
@@ -221,7 +245,7 @@ def refuted(scan: Scan, region: Region, places: Floats, radii: Floats) -> Mask:
     free = region.depth(points) < HALF
     ahead = np.flatnonzero(~free)
     free[ahead] = seen_free(scan, points[ahead, 0], points[ahead, 1], 0.1)
-    all_free: Mask = free.reshape(len(places), -1).min(axis=1)
+    all_free: Mask = np.logical_and.reduce(free.reshape(len(places), -1), axis=1)
     return all_free
 
 

@@ -11,7 +11,7 @@ from world_texts import HEAD, mistakes_in, mistakes_of
 import troupe
 from sim.stage import distance_field
 from sim.stage.geometry import Floats
-from troupe.running import parse_listen
+from troupe.address import parse_address
 from troupe.usage import UsageError
 from troupe.worlds import find_world
 
@@ -87,9 +87,9 @@ def test_an_outline_marks_the_same_cells_however_far_it_goes_on() -> None:
 
 
 @pytest.mark.parametrize("host", ["a..b", "a" * 300, "a b", "\x1b[31m"])
-def test_listen_takes_no_host_that_cannot_be_one(host: str) -> None:
+def test_no_option_takes_a_host_that_cannot_be_one(host: str) -> None:
     with pytest.raises(UsageError, match="must be HOST:PORT"):
-        parse_listen(f"{host}:6665")
+        parse_address("view", f"{host}:6665")
 
 
 def test_a_world_with_a_name_that_no_file_can_have_is_told() -> None:

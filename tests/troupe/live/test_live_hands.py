@@ -7,18 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from watching import Viewer, watched
 
 import troupe
-from sim.build import load
-from sim.engine import Settings
+from sim.build import load, load_data
 from sim.fleet.patience import Patience
-from sim.result import Touch
-from sim.run import run_world
+from sim.log.reader import LogReader
+from sim.log.replay import check
 from sim.view.frames import STATUS
+from sim.view.moment import Moment, Robot
 from tests.patience import PATIENCE
 from troupe.live.asks import Malformed, parse_ask
-from troupe.live.watch import Repeat
+from troupe.live.saved_world import saved_world
+from troupe.worlds import find_world
 
 
 def test_a_paused_run_stands_and_a_step_is_one_tick(still: Path) -> None:
@@ -123,33 +125,123 @@ def test_an_external_robot_is_driven_by_hand_and_waited_for_no_more(still: Path)
     assert result.outcome == "completed"
 
 
-def test_what_hands_did_can_be_done_again(still: Path) -> None:
-    with watched(still, paused=True, duration=4.0) as run:
+def test_what_hands_did_is_in_the_log_and_can_be_done_again(still: Path, tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    with watched(still, paused=True, duration=4.0, log=log) as run:
         viewer = Viewer(run.address)
         viewer.ask(do="drive", robot=0, twist=[0.3, 0.0, 0.5])
         viewer.ask(do="step", ticks=10)
         viewer.until(lambda m: m.tick == 10)
         # Each to where the other one was: one after the other that could not be.
         for robot, (x, y) in ((1, (3.0, 6.5)), (0, (8.0, 2.0)), (1, (2.0, 2.0))):
-            viewer.ask(do="put", robot=robot, pose=[x, y, 0.5])
+            viewer.ask(do="put", robot=robot, pose=[x, y, 0.0])
             viewer.until(lambda m, robot=robot, x=x: m.poses[robot, 0] == x)
-        viewer.ask(do="put_thing", robot=0, pose=[7.0, 6.0, 0.0])
+        viewer.ask(do="drive", robot=1, twist=[1.0, 0.0, 0.0])
+        viewer.ask(do="put_thing", robot=0, pose=[3.2, 2.0, 0.0])  # where it will be pushed
         viewer.ask(do="go")
         by_hand = run.result()
-    assert len(by_hand.touched) >= 4
-    again = repeated(still, by_hand.touched)
-    assert again.digest == by_hand.digest
-    assert again.as_json()["touched"] == by_hand.as_json()["touched"]
-    assert repeated(still, []).digest != by_hand.digest
+    assert {touch.what for touch in by_hand.touched} == {"drive", "put", "put_thing"}
+    assert by_hand.robot("berta").contacts == 1
+    verdict = check(LogReader(log), by_hand.digest)
+    assert verdict.equal, verdict
+    assert verdict.digest == by_hand.digest
 
 
-def repeated(path: Path, touched: list[Touch]):
-    loaded = load(path)
-    return run_world(
-        loaded,
-        Settings(loaded.world.seed, 4.0),
-        while_waiting=Repeat(touched).while_waiting,
-    )
+CONTROLLED = """
+controllers: {ahead: {program: ./ahead.py}}
+"""
+AHEAD = """\
+from player import PlayerClient, Position2dProxy
+
+with PlayerClient() as robot:
+    Position2dProxy(robot).set_speed(0.2)
+    while robot.read():
+        pass
+"""
+
+
+def test_a_hand_takes_a_robot_from_its_controller_and_gives_it_back(
+    still: Path, tmp_path: Path
+) -> None:
+    text = still.read_text().replace("pose: [8, 2, 0]}", "pose: [8, 2, 90], controller: ahead}")
+    still.write_text(text + CONTROLLED)
+    (tmp_path / "ahead.py").write_text(AHEAD)
+    log = tmp_path / "run.mcap"
+    with watched(still, paused=True, duration=3.0, log=log) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="select", robots=[1])
+
+        def after(tick: int) -> float:
+            """How fast the robot drives ahead after a tick."""
+            viewer.ask(do="step", ticks=10)
+            card = viewer.until(lambda m: m.tick == tick and 17 in m.sections).json(17)["1"]
+            return float(card["twist"][0])
+
+        assert after(10) == pytest.approx(0.2, abs=0.01)
+        viewer.ask(do="take", robot=1)
+        card = viewer.until(lambda m: m.json(17)["1"]["taken"]).json(17)["1"]
+        assert card["drivable"]
+        viewer.ask(do="drive", robot=1, twist=[-0.5, 0.0, 0.0])
+        assert after(20) == pytest.approx(-0.5, abs=0.01)
+        viewer.ask(do="give", robot=1)
+        assert after(30) == pytest.approx(0.2, abs=0.01)  # its controller has said so once
+        result = run.result()
+    assert [touch.what for touch in result.touched] == ["take", "drive", "give"]
+    assert check(LogReader(log), result.digest).equal
+
+
+def test_who_goes_gives_back_what_it_has_taken() -> None:
+    with watched("wander", paused=True) as run:
+        viewer, other = Viewer(run.address), Viewer(run.address)
+        viewer.ask(do="take", robot=0)
+        other.ask(do="select", robots=[0])
+        other.until(lambda m: 17 in m.sections and m.json(17)["0"]["taken"])
+        viewer.close()
+        other.until(lambda m: 17 in m.sections and not m.json(17)["0"]["taken"])
+
+
+def test_a_card_tells_how_long_each_tick_waited() -> None:
+    with watched("wander", paused=True) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="select", robots=[0])
+        viewer.until(lambda m: 17 in m.sections)
+        for tick in (5, 10):
+            viewer.ask(do="step", ticks=5)
+            card = viewer.until(lambda m, tick=tick: m.tick == tick).json(17)["0"]
+        waits = card["waits"]
+    assert len(waits["ticks"]) >= 5
+    assert all(wait > 0 for wait in waits["ticks"])
+    assert waits["longest"] >= max(waits["ticks"])
+
+
+def test_the_world_is_saved_as_it_stands(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="put", robot=0, pose=[3.0, 5.0, math.pi])
+        viewer.ask(do="put_thing", robot=0, pose=[2.0, 7.0, 0.0])
+        viewer.until(lambda m: m.robots == 2 and m.poses[0, 0] == 3.0 and m.things[0, 0] == 2.0)
+        viewer.ask(do="world")
+        text = viewer.told("world")
+    still.write_text(text)
+    again = load(still)
+    assert again.start == pytest.approx(np.array([[3, 5, math.pi], [8, 2, 0]]), abs=1e-4)
+    assert [tuple(thing.pose) for thing in again.layout.movables] == [(2.0, 7.0, 0.0)]
+
+
+def test_a_world_of_doors_and_programs_is_saved_so_that_it_can_be_run() -> None:
+    loaded = load(find_world("wander"))
+    entered = [Robot("late1", "rover")]
+    robots = [Robot(robot.name, robot.model) for robot in loaded.robots]
+    poses = np.concatenate([loaded.place(1), [[8, 10, 0.5]]]).astype(np.float32)
+    colors, states = np.zeros(5, np.uint32), np.zeros(5, np.uint8)
+    now = Moment(1.0, 10, poses, colors, states, [*robots, *entered], status={"seed": 7})
+    data = yaml.safe_load(saved_world(loaded, now))
+    names = [robot["name"] for robot in data["robots"]]
+    assert names == [*(robot.name for robot in robots), "entered_late1"]
+    assert data["robots"][0]["controller"] == loaded.robots[0].controller
+    assert data["seed"] == 7
+    built = load_data(data, folder=loaded.folder)
+    assert built.start == pytest.approx(poses.astype(float), abs=1e-4)
 
 
 def test_a_run_begins_again_with_the_same_seed_or_another() -> None:

@@ -27,11 +27,12 @@ models:
   rover:
     body: {shape: circle, radius: 0.4, color: green}
     drive: {kind: differential}
-    sensors: [{type: laser, samples: 31}]
+    odometry_noise: {slip: 0.02}
+    sensors: [{type: laser, samples: 31}, {type: bumper}]
     actuators: [{type: sprayer}]
 robots:
   - {name: anna, model: rover, pose: [2, 2, 0], controller: drive}
-  - {name: berta, model: rover, pose: [8, 6, 180], controller: quick}
+  - {name: berta, model: rover, pose: [3, 6, 180], controller: quick}
 doors: [{name: late, at: [8, 2], model: rover, period: 40}]
 controllers: {drive: {program: ./drive.py}, quick: {program: ./quick.py}}
 """
@@ -75,7 +76,7 @@ class Watched:
 
     @property
     def address(self) -> str:
-        return self.view.served.address
+        return self.view.address
 
     def close(self) -> None:
         self.stop.set()
@@ -98,7 +99,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "world.yaml").write_text(WORLD)
     (folder / "drive.py").write_text(DRIVE)
     (folder / "quick.py").write_text(QUICK)
-    troupe.run(folder / "world.yaml", log=folder / "run.mcap")
+    troupe.run(folder / "world.yaml", log=folder / "run.mcap", log_sensors=["odometry"])
     return folder / "run.mcap"
 
 
@@ -115,7 +116,9 @@ def test_a_log_begins_paused_and_tells_what_happened_in_it(log: Path) -> None:
     assert [end[1:3] for end in line["ends"]] == [[1, "finished"]]
     assert line["outcome"] == "completed"
     assert not about["again"]
-    assert line["coverage"][-1][1] == pytest.approx(troupe.Log(log).coverage[-1], abs=1e-5)
+    assert line["measures"]["ended"] == [[0.0, 0], [pytest.approx(7.9, abs=0.2), 1], [12.0, 1]]
+    covered = line["measures"]["coverage"][-1][1]
+    assert covered == pytest.approx(troupe.Log(log).coverage[-1], abs=1e-5)
 
 
 def test_every_time_that_is_asked_for_shows_the_poses_of_that_time(log: Path) -> None:
@@ -190,12 +193,28 @@ def test_a_card_tells_what_was_known_then(log: Path) -> None:
         assert cards["0"]["said"] == [[pytest.approx(5.0, abs=0.2), "half way"]]
         assert cards["0"]["output"] == ["[anna] off I go"]
         assert cards["0"]["command"] == ["velocity", [pytest.approx(0.4), 0.0, pytest.approx(0.2)]]
-        assert [sensor["type"] for sensor in cards["0"]["sensors"]] == ["laser"]
+        assert [sensor["type"] for sensor in cards["0"]["sensors"]] == ["laser", "bumper"]
+        assert cards["0"]["sensors"][1]["known"] == "nothing touched so far"
         assert cards["1"]["properties"] == {}
         viewer.ask(do="seek", time=11.0)
         later = viewer.until(lambda m: m.tick == 110 and CARDS in m.sections).json(CARDS)
         assert later["1"]["properties"] == {"rank": 3}
         assert later["1"]["controller"]["state"] == "finished"
+
+
+def test_a_card_of_a_log_tells_the_odometry_that_was_kept_and_the_last_touch(log: Path) -> None:
+    touch = next(one for one in troupe.Log(log).touches if one.robot == "berta")
+    with watched_log(log, start=touch.time) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="select", robots=[1])
+        card = viewer.until(lambda m: CARDS in m.sections).json(CARDS)["1"]
+    assert card["sensors"][1]["known"].startswith(f"last began to touch at {touch.time:.2f} s")
+    assert "0° from ahead" in card["sensors"][1]["known"]  # it has driven against the wall
+    x, y, yaw = card["odometry"]
+    assert (y, yaw) == pytest.approx((0.0, 0.0), abs=0.01)
+    assert x + card["error"][0] == pytest.approx(3.0 - card["pose"][0], abs=1e-9)
+    assert 0 < abs(card["error"][0]) < 0.2
+    assert card["waits"] is None
 
 
 def test_nothing_can_be_moved_in_a_log(log: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 from browsing import Page
 from watching import Watched, watched
+
+from sim.build import load
 
 pytestmark = browsing.NEEDED
 
@@ -133,6 +136,45 @@ def test_arrows_drive_who_is_selected(page: Page) -> None:
     page.until("(t) => t.state.cards[1].command[1].every((part) => part === 0)")
 
 
+def test_a_stick_drives_who_is_selected_until_it_is_let_go(page: Page) -> None:
+    page.page.evaluate("troupe.hands.select([0])")
+    page.page.locator(".stick").scroll_into_view_if_needed()
+    box = page.page.locator(".stick").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.page.keyboard.press("p")
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x, y - 23)  # half way ahead
+    page.until("(t) => t.state.poses[1] > 2.2")
+    half = page.get("troupe.state.cards[0].command[1]")
+    assert half == pytest.approx([0.3, 0, 0])
+    page.page.mouse.up()
+    page.until("(t) => t.state.cards[0].command[1].every((part) => part === 0)")
+
+
+def test_the_world_is_saved_as_it_stands(page: Page, still: Path) -> None:
+    page.drag((2, 2), (2, 6))
+    page.until("(t) => Math.abs(t.state.poses[1] - 6) < 0.1")
+    with page.page.expect_download() as waiting:
+        page.page.click("#world")
+    saved = load(shutil.copy(waiting.value.path(), still))
+    assert saved.start == pytest.approx(
+        np.array(page.get("Array.from(troupe.state.poses)")).reshape(2, 3), abs=1e-4
+    )
+
+
+def test_which_sensors_show_is_chosen_by_kind(page: Page) -> None:
+    page.page.evaluate("troupe.hands.select([0])")
+    page.until("(t) => t.state.cards[0] !== undefined && t.drawn === t.state.moments")
+    inside = page.pixel(2.7, 4.2)  # in anna's fan
+    page.page.keyboard.press("D")
+    page.page.uncheck("input[name=lasers]")
+    page.page.uncheck("input[name=sonars]")
+    page.until("(t) => !t.dirty")
+    assert page.pixel(2.7, 4.2) != inside
+    assert min(page.pixel(2.7, 4.2)) > 240
+
+
 def test_everything_can_be_done_by_keys_alone(page: Page) -> None:
     for key in (",", ","):
         page.page.keyboard.press(key)
@@ -178,6 +220,26 @@ def test_axe_finds_nothing_that_shuts_people_out(
     assert found.violations_count == 0, found.generate_report()
     assert page.get("document.documentElement.scrollWidth") <= width
     context.close()
+
+
+def test_a_robot_is_taken_from_its_controller_and_given_back(browser: Any) -> None:
+    with watched("wander", paused=True) as run:
+        context = browser.new_context()
+        page = Page(context.new_page(), run.address)
+        page.page.evaluate("troupe.hands.select([0])")
+        page.page.click("#take")
+        page.until("(t) => t.state.cards[0].taken && document.querySelector('.stick')")
+        page.page.focus("#canvas")
+        page.page.keyboard.down("ArrowLeft")
+        page.page.keyboard.press(".")
+        page.until("(t) => t.state.tick === 1 && t.state.cards[0].command[1][2] > 0.3")
+        page.page.keyboard.up("ArrowLeft")
+        page.page.keyboard.press("k")
+        page.until("(t) => !t.state.cards[0].taken && !document.querySelector('.stick')")
+        assert page.complaints == []
+        context.close()
+    what = [touch.what for touch in run.result().touched]
+    assert (what[0], what[-1]) == ("take", "give")
 
 
 def test_when_the_run_is_over_the_page_says_so(browser: Any, still: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import json
 import socket
@@ -14,7 +15,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from typer.testing import CliRunner
-from watching import STILL, Viewer, Watched, watched
+from watching import STILL, Deaf, Viewer, Watched, watched
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import troupe
@@ -22,7 +23,6 @@ from sim.view.frames import MOMENT, STATUS
 from tests.patience import PATIENCE
 from troupe.app import app
 from troupe.live.entrance import answer, known_host
-from troupe.view_option import told_apart
 
 
 def get(address: str, path: str | None = None, **headers: str) -> http.client.HTTPResponse:
@@ -141,48 +141,104 @@ def test_a_selected_robot_shows_all_its_sensors_and_who_looks_changes_nothing(st
         assert all(len(found.sections[number]) > 0 for number in (7, 8, 9, 10, 11))
 
 
-class Stopped(threading.Thread):
-    """A viewer that takes the scene and then stands, as in a debugger."""
+class Draws(threading.Thread):
+    """A viewer that takes every moment that it gets."""
 
     def __init__(self, address: str) -> None:
-        super().__init__()
-        self.viewer = Viewer(address)
-        self.viewer.message()
-
-    def run(self) -> None:
-        pass
-
-
-class Slow(threading.Thread):
-    """A viewer that takes a moment only now and then: when `turn` others have been seen."""
-
-    def __init__(self, address: str, turn: int) -> None:
         super().__init__(daemon=True)
-        self.viewer, self.turn, self.seen = Viewer(address), turn, 0
+        self.viewer, self.seen = Viewer(address), 0
+        self.viewer.ask(do="select", robots=[0, 3])
 
     def run(self) -> None:
-        try:
+        with contextlib.suppress(ConnectionClosed):
             while True:
                 self.viewer.message()
                 self.seen += 1
-        except ConnectionClosed:
-            pass
+
+
+class Slow(threading.Thread):
+    """A viewer at the end of a slow line: bite by bite, each when somebody else has seen more."""
+
+    def __init__(self, address: str, other: Draws) -> None:
+        super().__init__(daemon=True)
+        self.line, self.other, self.taken = Deaf(address), other, 0
+
+    def run(self) -> None:
+        seen = 0
+        while bite := self.line.bite(100):
+            self.taken += len(bite)
+            while self.other.is_alive() and self.other.seen == seen:
+                self.other.join(0.001)
+            seen = self.other.seen
+
+
+@pytest.fixture(scope="module")
+def alone() -> str:
+    """The digest of a run that nobody watches."""
+    return troupe.run("wander", duration=6.0).digest
 
 
 @pytest.mark.parametrize("viewers", [0, 1, 5])
-def test_however_many_watch_the_digest_is_the_same(viewers: int) -> None:
-    alone = troupe.run("wander", duration=6.0)
+def test_however_many_watch_the_digest_is_the_same(viewers: int, alone: str) -> None:
     with watched("wander", duration=6.0, paused=bool(viewers)) as run:
-        them = [Slow(run.address, 1) for _ in range(viewers)]
-        stopped = Stopped(run.address) if viewers else None
+        them = [Draws(run.address) for _ in range(viewers)]
         for viewer in them:
-            viewer.viewer.ask(do="select", robots=[0, 3])
             viewer.start()
-        if stopped is not None:
-            stopped.viewer.ask(do="go")
+        if viewers:
+            them[0].viewer.ask(do="go")
         result = run.result()
-    assert result.digest == alone.digest
+    assert result.digest == alone
     assert all(viewer.seen > 1 for viewer in them)
+
+
+def test_stopped_pages_and_slow_lines_change_nothing_either(alone: str) -> None:
+    with watched("wander", duration=6.0, paused=True) as run:
+        draws = Draws(run.address)
+        slow, deaf, stopped = Slow(run.address, draws), Deaf(run.address), Viewer(run.address)
+        stopped.message()  # the scene; then it stands, as in a debugger
+        draws.start()
+        slow.start()
+        deaf.ask(do="select", robots=[1, 2])
+        draws.viewer.ask(do="go")
+        result = run.result()
+    assert result.digest == alone
+    assert slow.taken > 1000
+    assert draws.seen > 1
+
+
+def test_the_end_of_a_run_waits_for_no_page_that_stands(
+    still: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("troupe.live.server.LAST_WORDS", 1e9)  # for a page that draws
+    monkeypatch.setattr("troupe.live.server.PROMPT", 0.05)
+    with watched(still, paused=True, duration=0.5) as run:
+        stopped, viewer = Deaf(run.address), Viewer(run.address)
+        viewer.until(lambda m: m.kind == MOMENT)
+        viewer.ask(do="go")
+        viewer.until(lambda m: STATUS in m.sections and m.json(STATUS)["outcome"] is not None)
+        assert run.result().outcome == "completed"
+        stopped.close()
+
+
+def test_what_is_kept_for_a_page_that_takes_nothing_is_bounded(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        deaf, viewer = Deaf(run.address), Viewer(run.address)
+        viewer.until(lambda m: m.kind == MOMENT)
+        assert run.view is not None
+        lines = [one.line.transport for one in run.view.server.viewers]
+        for line in lines:
+            line.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 2048)
+        sizes = []
+        for turn in range(100):
+            viewer.ask(do="select", robots=[turn % 2])
+            deaf.ask(do="seen")  # it says that it takes them
+            wanted = str(turn % 2)
+            found = viewer.until(lambda m, wanted=wanted: 17 in m.sections and wanted in m.json(17))
+            sizes.append(sum(map(len, found.sections.values())))
+        waiting = [line.get_write_buffer_size() for line in lines]
+        assert steps(viewer)
+    assert sum(sizes) > 2 * (1 << 16)
+    assert 0 < max(waiting) < (1 << 16) + 2 * max(sizes)
 
 
 def test_what_the_run_ended_with_arrives() -> None:
@@ -212,16 +268,13 @@ def test_without_a_view_there_is_no_server_and_nothing_of_it_is_loaded() -> None
     assert done.stdout.strip() == "[]", done.stderr
 
 
-def test_the_command_tells_the_address_and_takes_one(tmp_path: Path) -> None:
+def test_the_command_tells_the_address_and_takes_one() -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    done = subprocess.run(
-        [sys.executable, "-m", "troupe", "run", "wander", "--duration", "0.5", "--json",
-         "--no-open", "--view", f"127.0.0.1:{port}"],
-        capture_output=True, text=True, timeout=PATIENCE, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    words = ["run", "wander", "--duration", "0.5", "--json", "--no-open"]
+    done = CliRunner().invoke(app, [*words, "--view", f"127.0.0.1:{port}"])
+    assert done.exit_code == 0, done.stderr
     assert f"watch it at http://127.0.0.1:{port}/" in done.stderr
     assert json.loads(done.stdout)["touched"] == []
 
@@ -233,11 +286,8 @@ def test_an_address_that_cannot_be_had_is_bad_usage(address: str) -> None:
         taken.listen()
         if address == "127.0.0.1:1":
             address = f"127.0.0.1:{taken.getsockname()[1]}"
-        done = subprocess.run(
-            [sys.executable, "-m", "troupe", "run", "wander", "--view", address, "--no-open"],
-            capture_output=True, text=True, timeout=PATIENCE, check=False,
-        )  # fmt: skip
-    assert done.returncode == 2, done.stderr
+        done = CliRunner().invoke(app, ["run", "wander", "--view", address, "--no-open"])
+    assert done.exit_code == 2, done.stderr
     assert address in done.stderr
     assert "Traceback" not in done.stderr
 
@@ -256,16 +306,3 @@ def test_an_address_that_is_none_is_named(words: list[str]) -> None:
     assert done.exit_code == 2
     assert "must be HOST:PORT" in done.stderr
     assert "where'" in done.stderr
-
-
-def test_an_address_behind_view_is_told_from_a_world() -> None:
-    assert told_apart(["--view", "wander"]) == ["--view", "wander"]
-    assert told_apart(["w", "--view", "0.0.0.0:7000"]) == [
-        "w",
-        "--view",
-        "--view-at",
-        "0.0.0.0:7000",
-    ]
-    assert told_apart(["--view", "7000", "w"]) == ["--view", "--view-at", "7000", "w"]
-    assert told_apart(["--view=[::1]:7", "w"]) == ["--view", "--view-at", "[::1]:7", "w"]
-    assert told_apart(["--view", "--json", "7000"]) == ["--view", "--json", "7000"]

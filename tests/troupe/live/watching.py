@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import json
+import socket
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -124,7 +126,7 @@ def watched(world: str | Path, **options: Any) -> Iterator[Watched]:
         run.stop()
 
 
-_viewers: list[Viewer] = []
+_viewers: list[Viewer | Deaf] = []
 
 
 class Viewer:
@@ -165,10 +167,51 @@ class Viewer:
 
     def notice(self) -> list[str]:
         """The next lines for people."""
-        while not isinstance(data := self.socket.recv(PATIENCE), str):
-            self.ask(do="seen")
-        lines: list[str] = json.loads(data)["notices"]
+        lines: list[str] = self.told("notices")
         return lines
+
+    def told(self, what: str) -> Any:
+        """The next text of that name."""
+        while True:
+            data = self.socket.recv(PATIENCE)
+            if not isinstance(data, str):
+                self.ask(do="seen")
+            elif what in (told := json.loads(data)):
+                return told[what]
+
+    def close(self) -> None:
+        self.socket.close()
+
+
+class Deaf:
+    """A page on a line that takes next to nothing: it reads only when it is told to."""
+
+    def __init__(self, address: str) -> None:
+        parts = urlsplit(address)
+        self.socket = socket.socket()
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+        self.socket.settimeout(PATIENCE)
+        self.socket.connect((parts.hostname, parts.port))
+        key = base64.b64encode(bytes(16)).decode()
+        self.socket.sendall(
+            f"GET {parts.path}socket HTTP/1.1\r\nHost: {parts.netloc}\r\nUpgrade: websocket\r\n"
+            f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
+            "Sec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        answer = b""
+        while b"\r\n\r\n" not in answer:
+            answer += self.socket.recv(1)
+        assert b" 101 " in answer
+        _viewers.append(self)
+
+    def ask(self, **what: Any) -> None:
+        data = json.dumps(what).encode()
+        assert len(data) < 126
+        self.socket.sendall(bytes([0x81, 0x80 | len(data)]) + bytes(4) + data)
+
+    def bite(self, size: int) -> bytes:
+        """The next few bytes; none: the line has ended."""
+        return self.socket.recv(size)
 
     def close(self) -> None:
         self.socket.close()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
-from tests.patience import PATIENCE
-from tests.processes import environment, troupe_command
+from tests.started import troupe
 from troupe.sweep.asked import asked_plan
 from troupe.sweep.plan import Plan
+
+__all__ = ["DRIVEN", "QUIET", "driven_world", "plan_of", "quiet_world", "troupe"]
 
 QUIET = """\
 size: [6, 6]
@@ -51,11 +51,4 @@ def plan_of(
     return asked_plan(
         [str(world)], seeds=seeds, settings=settings, table=None, duration=None, each=each,
         judge=judge, about={},
-    )  # fmt: skip
-
-
-def troupe(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        troupe_command(*map(str, words)), env=environment(), capture_output=True, text=True,
-        timeout=PATIENCE, check=False, cwd=cwd,
     )  # fmt: skip

@@ -43,7 +43,7 @@ export class Ground {
       canvas.height = Math.round(camera.height * ratio);
     }
     floorOn(this.floor.getContext("2d"), scene, camera, ink, ratio, grid);
-    wallsOn(this.walls.getContext("2d"), scene, camera, ratio);
+    wallsOn(this.walls.getContext("2d"), scene, camera, ratio, true);
   }
 
   #paint(context, state, ink) {
@@ -105,9 +105,9 @@ function floorOn(floor, scene, camera, ink, ratio, grid) {
   }
 }
 
-/** What stands. */
-function wallsOn(walls, scene, camera, ratio) {
-  const pixel = 1 / camera.scale;
+/** What stands. `oblong`: rectangles one by one, which a canvas fills a hundred times faster. */
+function wallsOn(walls, scene, camera, ratio, oblong = false) {
+  const pixel = 1 / camera.scale, hair = 0.25 * pixel;
   camera.apply(walls, ratio);
   const [left, bottom] = camera.metres(0, camera.height);
   const [right, top] = camera.metres(camera.width, 0);
@@ -116,17 +116,38 @@ function wallsOn(walls, scene, camera, ratio) {
     const [x0, y0, x1, y1] = (solid.box ??= box(solid.points));
     if (x1 < left || x0 > right || y1 < bottom || y0 > top) continue;
     if (!colors.has(solid.color)) colors.set(solid.color, []);
-    colors.get(solid.color).push(solid.points);
+    colors.get(solid.color).push(solid);
   }
   for (const [color, shapes] of colors) {
-    walls.beginPath();
-    for (const points of shapes) outline(walls, points, true);
     // A hair's breadth of the same colour closes the seams between blocks of a map.
     walls.fillStyle = walls.strokeStyle = css(soften(color));
-    walls.lineWidth = 0.5 * pixel;
+    walls.lineWidth = 2 * hair;
+    let paths = false;
+    walls.beginPath();
+    for (const solid of shapes) {
+      if (oblong && (solid.oblong ??= isOblong(solid.points, solid.box))) {
+        const [x0, y0, x1, y1] = solid.box;
+        walls.fillRect(x0 - hair, y0 - hair, x1 - x0 + 2 * hair, y1 - y0 + 2 * hair);
+      } else {
+        outline(walls, solid.points, true);
+        paths = true;
+      }
+    }
+    if (!paths) continue;
     walls.fill();
     walls.stroke();
   }
+}
+
+/** Whether an outline is its box: four corners, each at one of the box's. */
+function isOblong(points, [x0, y0, x1, y1]) {
+  if (points.length !== 8) return false;
+  for (let k = 0; k < 8; k += 2) {
+    const next = (k + 2) % 8;
+    if ((points[k] !== x0 && points[k] !== x1) || (points[k + 1] !== y0 && points[k + 1] !== y1)) return false;
+    if ((points[k] === points[next]) === (points[k + 1] === points[next + 1])) return false;
+  }
+  return true;
 }
 
 /** 0xRRGGBB as a pixel of image data, opaque. */

@@ -1,8 +1,11 @@
 // Hands: Stage's keys and mouse, and fingers. What they ask for the run obeys, or refuses.
 
+import { twistOf } from "./steering.js";
+
 const PACES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const NEAR = 6;         // pixels by which a body may be missed
 const SLACK = 4;        // pixels that a click may move
+const SOON = 500;       // milliseconds within which a pace that was asked for has come
 
 export class Hands {
   /** `page` has state, camera, view, canvas, link, painter and changed(). */
@@ -42,11 +45,16 @@ export class Hands {
     if (scene?.log) this.ask({ do: "seek", time: (tick - 1) * scene.interval });
   }
 
-  pace(factor) { this.ask({ do: "pace", factor }); }
+  pace(factor) {
+    this.wanted = { factor, until: performance.now() + SOON };
+    this.ask({ do: "pace", factor });
+  }
 
   /** The next pace of the row, up (1) or down (-1). Beyond the row lies flat out. */
   shift(direction) {
-    const now = this.page.state.status.pace;
+    // keys come quicker than what they bring about
+    const late = this.wanted && performance.now() < this.wanted.until;
+    const { pace = 1 } = this.page.state.status, now = late ? this.wanted.factor : pace;
     const faster = PACES.find((pace) => pace > now * 1.001) ?? null;
     const slower = PACES.findLast((pace) => pace < (now ?? Infinity) * 0.999) ?? PACES[0];
     if (direction > 0) this.pace(now === null ? null : faster);
@@ -206,8 +214,9 @@ export class Hands {
       "+": () => page.camera.zoom(1.25), "=": () => page.camera.zoom(1.25),
       "-": () => page.camera.zoom(0.8),
       ",": () => this.next(1), ";": () => this.next(-1),
+      k: () => this.#take(), v: () => page.toggle("others"),
       q: () => this.#turn(0.1), e: () => this.#turn(-0.1),
-      d: () => page.toggle("sensors"), b: () => page.toggle("blobs"),
+      D: () => page.which(), d: () => page.toggle("sensors"), b: () => page.toggle("blobs"),
       t: () => page.toggle("trails"), n: () => page.toggle("names"),
       o: () => page.toggle("speech"), g: () => page.toggle("grid"),
       f: () => page.toggle("follow"), "?": () => page.help(),
@@ -273,8 +282,15 @@ export class Hands {
     const ahead = held("ArrowUp") - held("ArrowDown"), left = held("ArrowLeft") - held("ArrowRight");
     for (const robot of view.selected) {
       const told = state.scene.models[state.models[robot]]?.drive;
-      const v = 0.6 * Math.min(told?.max_speed ?? 1, 2), w = 0.5 * Math.min(told?.max_turn_rate ?? 1, 2);
-      this.ask({ do: "drive", robot, twist: [ahead * v, 0, left * w * (ahead < 0 ? -1 : 1)] });
+      this.ask({ do: "drive", robot, twist: twistOf(told, ahead, left) });
+    }
+  }
+
+  /** Take the selected robots from their controllers, or give them back. */
+  #take() {
+    const { state, view } = this.page;
+    for (const robot of view.readOnly ? [] : view.selected) {
+      this.ask({ do: state.cards[robot]?.taken ? "give" : "take", robot });
     }
   }
 }

@@ -4,7 +4,7 @@ import { decode } from "./frames.js";
 
 export class Link {
   constructor(take) {
-    this.take = take;         // {scene, moment, notices, open, closed}
+    this.take = take;         // {scene, moment, notices, world, open, closed}
     this.tries = 0;
     this.connect();
   }
@@ -27,7 +27,7 @@ export class Link {
 
   #message(data) {
     if (typeof data === "string") {
-      this.take.notices(JSON.parse(data).notices);
+      for (const [what, told] of Object.entries(JSON.parse(data))) this.take[what]?.(told);
       return;
     }
     const message = decode(data);

@@ -6,14 +6,14 @@ import { inks } from "./colors.js";
 import { Painter } from "./draw.js";
 import { Hands } from "./hands.js";
 import { Link } from "./link.js";
-import { savePicture, savePoses, saveSvg } from "./save.js";
+import { posesOf, savePicture, saveSvg, saveText } from "./save.js";
 import { State } from "./state.js";
 import { Strip } from "./strip.js";
 import { printable } from "./texts.js";
 import { TimeLine, timeIn } from "./timeline.js";
 
 const find = (id) => document.getElementById(id);
-const MOST_LISTED = 500;
+const MOST_LISTED = 500, HIDDEN = 1000;
 
 const page = {
   state: new State(),
@@ -29,6 +29,11 @@ const page = {
     const box = document.querySelector(`#layers input[name=${layer}]`);
     box.checked = !box.checked;
     page.view.show[layer] = box.checked;
+  },
+  which() {
+    const box = find("which");
+    box.open = !box.open;
+    if (box.open) find("layers").open = true;
   },
   help() {
     const shown = find("help").hidden;
@@ -62,6 +67,7 @@ page.link = new Link({
     clearTimeout(page.clearing);
     page.clearing = setTimeout(() => box.replaceChildren(), 6000);
   },
+  world(text) { saveText(text, `troupe-${page.state.time.toFixed(1)}.yaml`); },
   scene(message) {
     page.state.begin(message);
     const { scene } = page.state;
@@ -73,6 +79,7 @@ page.link = new Link({
     find("title").textContent = printable(scene.title, 80);
     find("seed").value = scene.seed;
     find("again").hidden = !scene.again || scene.read_only;
+    put(find("world"), page.view.readOnly ? "Save poses" : "Save world");
     for (const id of ["go", "step", "slower", "faster", "real", "flat"]) {
       find(id).disabled = scene.read_only || scene.stepped;
     }
@@ -90,11 +97,13 @@ page.link = new Link({
     if (!lined) line.begin(page.state.scene.log);   // once robots have names
     lined = true;
     page.changed();
+    // Who does not look has no pictures, and takes a moment now and then all the same.
+    if (document.hidden) setTimeout(acknowledge, HIDDEN);
   },
 });
 
 const hands = (page.hands = new Hands(page));
-const card = new Card(find("card"), (robot, twist) => page.link.ask({ do: "drive", robot, twist }));
+const card = new Card(find("card"), (what) => page.link.ask(what));
 
 /** Once a picture: draw what is new, and say so, so that more may come. */
 function frame(now) {
@@ -117,8 +126,13 @@ function frame(now) {
     buttons();
     page.drawn = state.moments;
   }
-  for (; unseen > 0; unseen--) page.link.ask({ do: "seen" });
+  acknowledge();
   requestAnimationFrame(frame);
+}
+
+/** What has come may be followed by more. */
+function acknowledge() {
+  for (; unseen > 0; unseen--) page.link.ask({ do: "seen" });
 }
 
 /** The address is a link to where a log stands. */
@@ -203,7 +217,10 @@ find("here").onclick = async () => {
     say("The link stands in the address bar.");
   }
 };
-find("poses").onclick = () => savePoses(page.state, `troupe-${page.state.time.toFixed(1)}`);
+find("world").onclick = () => {
+  if (page.view.readOnly) saveText(posesOf(page.state), `troupe-${page.state.time.toFixed(1)}.yaml`);
+  else page.link.ask({ do: "world" });
+};
 find("keys").onclick = () => page.help();
 find("looks").onclick = () => {
   page.view.dark = !page.view.dark;

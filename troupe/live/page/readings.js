@@ -7,8 +7,9 @@ const FILLED = 8, RING = 7, RING_WIDTH = 3;
 /** Readings on the ground, below the bodies. */
 export function drawReadings(context, state, camera, ink, view) {
   if (!view.show.sensors) return;
-  const shows = ({ robot }) => view.selected.has(robot) || !state.settled(robot);
-  const fans = state.fans.filter(shows);
+  const { lasers, sonars, fiducials, bumpers } = view.show;
+  const shows = ({ robot }) => view.selected.has(robot) || (view.show.others && !state.settled(robot));
+  const fans = lasers ? state.fans.filter(shows) : [];
   const strength = 0.16 / Math.sqrt(Math.max(fans.length, 1));
   for (const fan of fans) {
     const filled = fans.length <= FILLED || view.selected.has(fan.robot);
@@ -26,9 +27,10 @@ export function drawReadings(context, state, camera, ink, view) {
     context.lineWidth = 1;
     context.stroke();
   }
-  for (const cones of state.cones.filter(shows)) drawCones(context, cones, camera, ink);
-  for (const marks of state.marks.filter(shows)) drawMarks(context, marks, camera, ink);
-  for (const switches of state.switches.filter(shows)) drawSwitches(context, switches, state, camera);
+  const drawn = (wanted, parts, draw) => { if (wanted) parts.filter(shows).forEach(draw); };
+  drawn(sonars, state.cones, (cones) => drawCones(context, cones, camera, ink));
+  drawn(fiducials, state.marks, (marks) => drawMarks(context, marks, camera, ink));
+  drawn(bumpers, state.switches, (switches) => drawSwitches(context, switches, state, camera));
 }
 
 /** A fan's outline from its sensor over all rays, in whatever coordinates column and row give. */
@@ -99,7 +101,8 @@ function drawSwitches(context, { robot, x, y, yaw, parts }, state, camera) {
 export function drawSights(context, state, camera, ink, view, reach) {
   for (const { robot, x, y, yaw, fov, width, blobs } of state.sights) {
     if (!view.show.blobs && !view.selected.has(robot)) continue;
-    if (!view.show.sensors || (state.settled(robot) && !view.selected.has(robot))) continue;
+    if (!view.show.sensors) continue;
+    if (!view.selected.has(robot) && (!view.show.others || state.settled(robot))) continue;
     const column = camera.column(x), row = camera.row(y), radius = reach(robot) + RING;
     for (const [color, breadth] of [[ink.ink, RING_WIDTH + 2], [null, RING_WIDTH]]) {
       context.lineWidth = breadth;

@@ -31,8 +31,8 @@ export function posesOf(state) {
   return `# ${state.scene.title.replace(/\s+/g, " ")}, ${state.time.toFixed(1)} s, seed ${state.status.seed}\n${lines.join("\n")}\n`;
 }
 
-export function savePoses(state, name) {
-  offer(new Blob([posesOf(state)], { type: "text/yaml" }), `${name}.yaml`);
+export function saveText(text, name) {
+  offer(new Blob([text], { type: "text/yaml" }), name);
 }
 
 function offer(blob, name) {

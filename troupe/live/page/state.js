@@ -14,7 +14,7 @@ export class State {
   paint = null;          // owners by cell, once anything is painted
   painted = [];          // runs of cells that are still to be drawn
   trails = new Trails();
-  history = [];          // [time, speed, coverage], thinned out as it grows
+  history = [];          // times and measures, thinned out as it grows
   moments = 0;
 
   begin(message) {
@@ -68,7 +68,8 @@ export class State {
     if (passed < 0.25) return;
     this.speed = (message.time - before.time) / passed;
     this.clock = { time: message.time, now };
-    this.history.push([message.time, this.speed, this.status.coverage ?? 0]);
+    const { coverage, contacts, ended } = this.status;
+    this.history.push({ time: message.time, speed: this.speed, coverage, contacts, ended });
     if (this.history.length > 600) this.history = this.history.filter((_, k) => k % 2 === 0);
   }
 }

@@ -13,7 +13,7 @@ export class Trails {
     this.last = time;
     const count = poses.length / 3;
     if (count > MOST) return;
-    this.marks.push(poses);
+    this.marks.push(poses.slice());   // a view would keep all of its message
     const most = count > CROWD ? CROWD_LENGTH : LENGTH;
     while (this.marks.length > most) this.marks.shift();
   }
