@@ -319,6 +319,8 @@ class Stage:
             self._poses, self._velocities, self._distances, self._stalls,
         )  # fmt: skip
         read_bodies(state, movers, count)
+        order = self._order[:count]  # a tick keeps it sorted; a crowd that has come is sorted here
+        order[:] = order[np.argsort(state[order, 0], kind="stable")]
         self._changed = False
 
     def _grow(self, needed: int) -> None:
