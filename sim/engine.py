@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -32,6 +32,7 @@ from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError, Functions
 from sim.fleet.routing import Router
 from sim.fleet.sleeping import Sleeping
+from sim.hands import Hands
 from sim.pace import Pace
 from sim.ports import Ports
 from sim.result import Digest, DoorRecord, FloorRecord, Outcome, Result, Touch
@@ -115,6 +116,7 @@ class Engine:
             say=self.say,
             while_waiting=self.while_waiting and partial(self.while_waiting, self),
         )
+        self.hands = Hands(self.context, self.say)
         self.functions = Functions()
         self.ports = Ports(
             world.player,
@@ -251,7 +253,7 @@ class Engine:
         if self.settling:
             self.settle()
         if self.context.resets:
-            self.reset()
+            self.hands.reset()
         ways = self.scenery.stage.tick(self.spraying.carriers())
         self.ticks += 1
         self.context.time = time = self.time
@@ -272,10 +274,8 @@ class Engine:
         That stops robots, before the tick as well. Robots are put where they shall be put first,
         all at once.
         """
-        if goals := self.context.take_puts():
-            self.put(goals)
-        for name, pose in self.context.take_thing_puts().items():
-            self.put_thing(name, pose)
+        if self.context.puts or self.context.thing_puts:
+            self.hands.put_all()
         while failed := self.context.carry_out():
             for client, error in failed:
                 self.router.expel(client, error)
@@ -293,28 +293,6 @@ class Engine:
             if np.abs(self.scenery.stage.velocities[robot]).max() < AT_REST:
                 self.scenery.stage.settle(robot)
                 self.settling.discard(robot)
-
-    def reset(self) -> None:
-        """Put all robots back where they entered: a client with full access has asked for it."""
-        self.context.resets = 0
-        starts = {robot.index: robot.record.start for robot in self.robots}
-        staying = self.put(starts)
-        for robot in starts:
-            if robot not in staying:
-                self.scenery.odometry.reset(robot)
-
-    def put(self, poses: Mapping[int, tuple[float, float, float]]) -> list[int]:
-        """Put robots at poses in the world, all at once; those who have no room there, and stay."""
-        staying = self.scenery.put(poses)
-        for robot in staying:
-            self.say(stays(self.robots[robot].name, poses[robot]))
-        return staying
-
-    def put_thing(self, name: str, pose: tuple[float, float, float]) -> None:
-        """Put an obstacle that can be pushed at a pose in the world, if there is room."""
-        number = self.context.things[name].number
-        if number is None or not self.scenery.stage.put_movable(number, pose):
-            self.say(stays(name, pose))
 
     def open_doors(self) -> None:
         """Let in the robots whose step has come."""
@@ -386,11 +364,6 @@ class Engine:
             ],
             touched=list(self.touched),
         )
-
-
-def stays(name: str, pose: tuple[float, float, float]) -> str:
-    """What is told of somebody, or something, that cannot be put at a pose."""
-    return f"{name} stays where it is: there is no room for it at [{pose[0]:g}, {pose[1]:g}]"
 
 
 def label(path: Path) -> str:

@@ -44,8 +44,8 @@ class Physics:
         self.sides: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         """(s,) How many corners each has; 0 for a circle."""
 
-    def add(self, schema: Any, drive: Any, pose: tuple[float, float, float]) -> Any:
-        """Add a mover of a body and a drive (or None) of the schema; returns its record."""
+    def add(self, record: Any, schema: Any, drive: Any, pose: tuple[float, float, float]) -> None:
+        """Add a mover of a body and a drive (or None) of the schema, and write its record (1,)."""
         form = self._forms.get(id(schema))
         if form is None:
             form = self._forms[id(schema)] = bodies.form_of(schema)
@@ -73,11 +73,10 @@ class Physics:
                 shape=self._shape(form.corners),
                 levels=levels,
             )
-        record = usual.copy()
+        record[:] = usual
         record["body"] = state_of(body)
         record["x"], record["y"] = pose[0], pose[1]
         record["axis_x"], record["axis_y"] = math.cos(pose[2]), math.sin(pose[2])
-        return record
 
     def _shape(self, corners: Floats) -> int:
         """The number of an outline (k, 2), which bodies of equal shape share."""

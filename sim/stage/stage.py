@@ -78,7 +78,8 @@ class Stage:
         }
         for number, movable in enumerate(layout.movables):
             self._feel(number, movable.body)
-            self._movers[number] = self._physics.add(movable.body, None, movable.pose)
+            record = self._movers[number : number + 1]
+            self._physics.add(record, movable.body, None, movable.pose)
         self._changed = True
         self.told = 0
         """How many commands there have been, motors switched and robots come included."""
@@ -98,7 +99,7 @@ class Stage:
         number = self._movables + robot
         self._grow(number + 1)
         self._feel(number, kind.body)
-        self._movers[number] = self._physics.add(kind.body, kind.drive, at)
+        self._physics.add(self._movers[number : number + 1], kind.body, kind.drive, at)
         self._order[number] = number
         self._count += 1
         self.told += 1
@@ -348,6 +349,8 @@ class Stage:
             self._poses, self._velocities, self._distances, self._stalls,
         )  # fmt: skip
         read_bodies(state, movers, count)
+        order = self._order[:count]  # a tick keeps it sorted; a crowd that has come is sorted here
+        order[:] = order[np.argsort(state[order, 0], kind="stable")]
         self._changed = False
 
     def _grow(self, needed: int) -> None:
