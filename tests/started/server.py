@@ -98,9 +98,12 @@ class Server:
                     client.sendall(b"%d\n" % os.waitstatus_to_exitcode(status))
 
     def end(self) -> None:
-        """Nothing that has been started stays."""
+        """Nothing that has been started stays, nor the socket's folder."""
         for pid in self.waiting:
             os.kill(pid, signal.SIGKILL)
+        path = self.listener.getsockname()
+        os.unlink(path)
+        os.rmdir(os.path.dirname(path))
 
 
 def become(request: dict[str, Any], passed: list[int], others: list[socket.socket]) -> NoReturn:
