@@ -28,72 +28,17 @@ from sim.view.frames import Told, encode_moment, encode_scene
 from sim.view.moment import Scene
 from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
 from troupe.live.entrance import answer
-from troupe.live.exchange import MOST_ASKED, Exchange
+from troupe.live.exchange import Exchange
+from troupe.live.viewer import Viewer
 
 MOST_VIEWERS = 32
 LONGEST_ASK = 4096
 """Bytes of a page's message; a longer one ends its connection."""
-RATE, BURST = 240.0, 480.0
-"""Messages a second that a page may send for long, and at once."""
-UNDER_WAY = 2
-"""Moments that a page has been sent and has not drawn yet."""
 LAST_WORDS = 2.0
 """Wall-clock seconds within which pages are to have taken what a run ended with."""
-PROMPT = 0.5
-"""Wall-clock seconds within which a page that is awake has drawn a moment, and said goodbye."""
-POLICY, GOING_AWAY = 1008, 1001
-"""Codes by which a WebSocket is closed: what was sent is not allowed; we go."""
+POLICY = 1008
+"""The code by which a WebSocket is closed over which came what is not allowed."""
 START_LIMIT = 60.0
-
-
-class Viewer:
-    """One page: what it has been told, and what it may be sent."""
-
-    def __init__(self, line: ServerConnection) -> None:
-        self.line = line
-        self.told = Told()
-        self.scenes = 0
-        self.moments = 0
-        self.notices = 0
-        self.under_way = 0
-        self.selected: tuple[int, ...] = ()
-        self.drives: set[int] = set()
-        self.holds: set[int] = set()
-        """Robots that it drives: they stop when it goes. Those that it has taken are given back."""
-        self.wants_world = False
-        self.since = monotonic()
-        """Since when the first moment under way waits to be drawn."""
-        self.news = asyncio.Event()
-        self.credit = BURST
-        self.counted = monotonic()
-
-    @property
-    def hungry(self) -> bool:
-        """Whether it has drawn what it was sent."""
-        return self.under_way < UNDER_WAY
-
-    @property
-    def answers(self) -> bool:
-        """Whether it draws what it gets."""
-        return not self.under_way or monotonic() - self.since < PROMPT
-
-    def note(self, ask: Ask) -> None:
-        """Keep in mind which robots are to be let go when it goes."""
-        for kept, begins, ends in (
-            (self.drives, ask.do == "drive" and any(ask.numbers), ask.do == "drive"),
-            (self.holds, ask.do == "take", ask.do == "give"),
-        ):
-            if begins and len(kept) < MOST_ASKED:
-                kept.add(ask.robot)
-            elif ends:
-                kept.discard(ask.robot)
-
-    def affords(self) -> bool:
-        """Count one message; whether it keeps to the rate."""
-        now = monotonic()
-        self.credit = min(BURST, self.credit + RATE * (now - self.counted)) - 1.0
-        self.counted = now
-        return self.credit >= 0.0
 
 
 class LiveServer:
@@ -164,7 +109,7 @@ class LiveServer:
         self._wake_all()
         until = monotonic() + LAST_WORDS
         await asyncio.gather(*[self._is_done(viewer, until) for viewer in self.viewers])
-        await asyncio.gather(*map(self._leave, self.viewers), return_exceptions=True)
+        await asyncio.gather(*[viewer.leave() for viewer in self.viewers], return_exceptions=True)
         if self._listening is not None:
             self._listening.close()
             await self._listening.wait_closed()
@@ -175,16 +120,6 @@ class LiveServer:
             if viewer.moments == self.exchange.moments and not viewer.under_way:
                 return
             await asyncio.sleep(0.01)
-
-    async def _leave(self, viewer: Viewer) -> None:
-        """Say goodbye; who stands, as in a debugger, cannot, and is not waited for."""
-        goodbye = viewer.line.close(GOING_AWAY, "the run is over")
-        if viewer.answers:
-            await goodbye
-            return
-        with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(goodbye, PROMPT)
-        viewer.line.transport.abort()
 
     def _entrance(self, line: ServerConnection, request: Request) -> Response | None:
         """Answer plain HTTP; None lets a WebSocket through."""

@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from sim.interrupts import Interrupts
 from sim.result import Result
-from sim.view.frames import Message, decode
+from sim.view.frames import MOMENT, Message, decode
 from tests.patience import PATIENCE
 from troupe.live.opening import LiveView
 from troupe.running import Run, run_file
@@ -181,6 +181,13 @@ class Viewer:
 
     def close(self) -> None:
         self.socket.close()
+
+
+def stepped(viewer: Viewer) -> bool:
+    """Whether a viewer is still heard: the run makes a step for it."""
+    before = viewer.until(lambda m: m.kind == MOMENT).tick
+    viewer.ask(do="step")
+    return viewer.until(lambda m: m.tick == before + 1).tick == before + 1
 
 
 class Deaf:
