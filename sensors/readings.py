@@ -56,9 +56,10 @@ class Readings(Protocol):
 
 def _grown(array: npt.NDArray[Any], n: int, fill: Any) -> npt.NDArray[Any]:
     """`array` with n rows: its own first, then rows full of `fill`."""
-    new = np.empty((n, *array.shape[1:]), array.dtype)
-    new[:] = fill
     kept = min(n, len(array))
+    new = np.zeros((n, *array.shape[1:]), array.dtype)  # costs no memory where nothing is written
+    if fill:
+        new[kept:] = fill
     new[:kept] = array[:kept]
     return new
 
