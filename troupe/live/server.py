@@ -4,9 +4,9 @@ A page tells when it has drawn a moment, and has at most two under way: one that
 debugger, or at the end of a slow line, gets fewer, holds nobody up, and costs one moment's memory.
 One that floods, or sends what no page sends, is cut off; the others do not notice.
 
-What is new is written at once by whoever finds that a page can take it (`_feed`), without tasks that
-wake each other, and pages that know the same are sent the same bytes: what a moment costs a run that
-goes on beside this thread is how much code it goes through.
+What is new is written at once by whoever finds that a page can take it (`_feed`), without tasks
+that wake each other: a moment costs a run that goes on beside this thread by how much code it goes
+through.
 """
 
 from __future__ import annotations
@@ -29,11 +29,10 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from sim.view.frames import Frame, encode_moment, encode_scene
-from sim.view.moment import Moment, Scene
 from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
 from troupe.live.entrance import answer
 from troupe.live.exchange import Exchange
+from troupe.live.messages import Messages
 from troupe.live.viewer import FULL, Viewer
 
 MOST_VIEWERS = 32
@@ -56,10 +55,7 @@ class LiveServer:
         self.bound = ""
         self.port = 0
         self.viewers: set[Viewer] = set()
-        self._encoded: tuple[Scene | None, bytes] = (None, b"")
-        self._frame: Frame | None = None
-        self._frames = -1  # the number of the moment that this is
-        self._messages: dict[tuple[int, tuple[int, ...]], bytes] = {}
+        self._messages = Messages(read_only)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="live", daemon=True)
         self._listening: Listening | None = None
@@ -154,6 +150,7 @@ class LiveServer:
         """One page, from its coming to its going."""
         viewer = Viewer(line)
         self.viewers.add(viewer)
+        self._spent = thread_time()  # it has come in: that is paid once, and by no moment
         self._feed(viewer)
         try:
             async for text in line:
@@ -210,7 +207,7 @@ class LiveServer:
         scene, moment = exchange.scene, exchange.moment
         if viewer.scenes != scenes and scene is not None:
             viewer.scenes, viewer.moments, viewer.frame = scenes, -1, None
-            yield self._scene(scene)
+            yield self._messages.scene(scene)
         if viewer.notices != exchange.notices:
             viewer.notices = exchange.notices
             yield json.dumps({"notices": exchange.said})
@@ -222,25 +219,7 @@ class LiveServer:
             if not viewer.under_way:
                 viewer.since = monotonic()
             viewer.under_way += 1
-            yield self._moment(viewer, moments, moment)
-
-    def _moment(self, viewer: Viewer, number: int, moment: Moment) -> bytes:
-        """A moment's message: the same for all who got the same one last."""
-        if self._frame is None or self._frames != number:
-            self._frame, self._frames, self._messages = Frame(moment), number, {}
-        known = (viewer.moments, viewer.selected)
-        if known not in self._messages:
-            message = encode_moment(self._frame, viewer.frame, viewer.selected)
-            self._messages[known] = message
-        viewer.frame, viewer.moments = self._frame, number
-        return self._messages[known]
-
-    def _scene(self, scene: Scene) -> bytes:
-        """The scene's message: the same for all."""
-        if self._encoded[0] is not scene:
-            about = {**scene.about, "read_only": self.read_only}
-            self._encoded = scene, encode_scene(Scene(about, scene.solids))
-        return self._encoded[1]
+            yield self._messages.moment(moments, moment, viewer)
 
     def _select(self) -> None:
         chosen = [viewer.selected for viewer in self.viewers]
