@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sim.view import frames
 from sim.view.frames import (
     COLORS,
     CONES,
@@ -65,6 +67,9 @@ def moment(**changes: Any) -> Moment:
         "marks": [Marks(1, 3, POSE, np.array([[7, 1, 2, 0.5]], np.float32))],
         "switches": [Switches(1, 4, POSE, np.array([[1, 0, 0.5], [0, 0.5, 1]], np.float32))],
         "said": [(1, 12.5, "hello")],
+        "drawn": [{"robot": 0, "kind": "points", "points": [[1, 2]], "color": 255, "fill": None}],
+        "ways": np.array([[[1, 2, 0.5], [3, 4, 0.5]], [[2, 2, 0.5], [3, 5, 0.5]]], np.float32),
+        "jumps": 1,
         "status": {"paused": False, "pace": None},
         "cards": {0: {"name": "r1"}, 1: {"name": "ärger"}},
     }
@@ -125,6 +130,8 @@ def test_the_page_reads_a_moment_as_it_was(tmp_path: Path) -> None:
     assert found["paint"] == {"firsts": [1, 11], "lengths": [2, 1], "owners": [2, 1]}
     assert found["entered"] == {"from": 0, "robots": [["r1", "rover"], ["ärger", "rover"]]}
     assert found["said"] == [[1, 12.5, "hello"]]
+    assert found["drawn"] == moment().drawn
+    assert found["ways"] == [[1, 2, 0.5, 3, 4, 0.5], [2, 2, 0.5, 3, 5, 0.5]]
     assert found["status"] == {"paused": False, "pace": None}
     assert found["cards"] == {"1": {"name": "ärger"}}
 
@@ -146,6 +153,16 @@ def sent(now: Moment, before: Moment | None) -> Message:
     return decode(encode_moment(Frame(now), before and Frame(before)))
 
 
+def test_every_section_that_is_described_is_written() -> None:
+    described = {int(n) for n in re.findall(r"^ +(\d+)  [a-z]+ ", frames.__doc__, re.MULTILINE)}
+    square = np.array([[0, 0], [1, 0], [1, 1]], float)
+    scene = decode(encode_scene(Scene({"title": "one"}, [(square, 0)])))
+    layer = np.ones((3, 4), np.int16)
+    whole = decode(encode_moment(Frame(moment(paint=layer)), None, [1]))
+    assert len(described) == 18
+    assert set(scene.sections) | set(whole.sections) == described
+
+
 def test_what_has_not_changed_is_not_sent_again() -> None:
     first = moment()
     assert {COLORS, ROBOTS, SAID, STATUS, FANS, SIGHTS} < set(sent(first, None).sections)
@@ -157,7 +174,8 @@ def test_what_has_not_changed_is_not_sent_again() -> None:
 
 
 def test_nothing_is_said_of_what_is_not_there() -> None:
-    bare = {"fans": (), "cones": (), "sights": (), "marks": (), "switches": (), "said": ()}
+    kinds = ("fans", "cones", "sights", "marks", "switches", "said", "drawn")
+    bare = dict.fromkeys(kinds, ())
     found = sent(moment(**bare), None).sections
     assert not {FANS, CONES, SIGHTS, MARKS, SWITCHES, SAID, DRAWN} & set(found)
 
