@@ -24,7 +24,12 @@ const page = {
     dark: matchMedia("(prefers-color-scheme: dark)").matches,
     show: {}, selected: new Set(), ghost: null, readOnly: false,
   },
-  changed() { page.dirty = true; },
+  /** There is something new to be drawn, with the screen's next picture. */
+  changed() {
+    page.dirty = true;
+    if (!page.asked) requestAnimationFrame(frame);
+    page.asked = true;
+  },
   toggle(layer) {
     const box = document.querySelector(`#layers input[name=${layer}]`);
     box.checked = !box.checked;
@@ -47,6 +52,7 @@ const page = {
   },
   drawn: 0,
   dirty: false,
+  asked: false,          // a picture is
 };
 
 const strip = new Strip(find);
@@ -107,9 +113,10 @@ page.link = new Link({
 const hands = (page.hands = new Hands(page));
 const card = new Card(find("card"), (what) => page.link.ask(what));
 
-/** Once a picture: draw what is new, and say so, so that more may come. */
+/** Draw what is new, and say so, so that more may come. */
 function frame(now) {
   const { state, view, camera } = page;
+  page.asked = false;
   if (page.dirty && state.scene) {
     page.dirty = false;
     if (view.show.follow && view.selected.size) {
@@ -129,7 +136,6 @@ function frame(now) {
     page.drawn = state.moments;
   }
   acknowledge();
-  requestAnimationFrame(frame);
 }
 
 /** What has come may be followed by more. */
@@ -245,5 +251,4 @@ window.addEventListener("hashchange", () => goTo(location.hash));
 if (innerWidth <= 720) find("layers").open = false;
 new ResizeObserver(size).observe(find("stage"));
 looks();
-requestAnimationFrame(frame);
 window.troupe = page;   // for those who look at the page with a program
