@@ -96,7 +96,7 @@ def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str
     duration = 600 if count == 4 else 6000 / count
     path = str(world(folder, "reader", duration, size=hall(count), count=count))
     prices = []
-    for _ in range(max(3, repeats)):
+    for _ in range(max(5, repeats)):
         alone = float(str(run_command(path)[0]["speed"]))
         prices.append(100 * (1 - watched_speed(path, viewers) / alone))
     return f"{statistics.median(prices):.1f} % of the speed"
