@@ -63,16 +63,7 @@ let unseen = 0, over = false, lined = true;
 page.link = new Link({
   open() { say("Connected."); },
   closed(reason) { if (!over) say(reason ? `The connection has ended: ${printable(reason)}.` : "The connection has ended."); },
-  notices(lines) {
-    const box = find("notices");
-    box.replaceChildren(...lines.slice(-3).map((line) => {
-      const p = document.createElement("p");
-      p.textContent = printable(line, 300);
-      return p;
-    }));
-    clearTimeout(page.clearing);
-    page.clearing = setTimeout(() => box.replaceChildren(), 6000);
-  },
+  notices(lines) { notice(...lines.slice(-3)); },
   world(text) { saveText(text, `troupe-${page.state.time.toFixed(1)}.yaml`); },
   scene(message) {
     page.state.begin(message);
@@ -177,6 +168,18 @@ function put(box, text) {
 
 function say(text) { put(find("state"), text); }
 
+/** Lines that stay for a while, whatever the run does meanwhile. */
+function notice(...lines) {
+  const box = find("notices");
+  box.replaceChildren(...lines.map((line) => {
+    const p = document.createElement("p");
+    p.textContent = printable(line, 300);
+    return p;
+  }));
+  clearTimeout(page.clearing);
+  page.clearing = setTimeout(() => box.replaceChildren(), 6000);
+}
+
 /** The robots' names, for whoever types one. */
 function list() {
   const names = page.state.names.slice(0, MOST_LISTED);
@@ -220,9 +223,9 @@ find("here").onclick = async () => {
   history.replaceState(null, "", link);
   try {
     await navigator.clipboard.writeText(link);
-    say("The link is on the clipboard.");
+    notice("The link is on the clipboard.");
   } catch {
-    say("The link stands in the address bar.");
+    notice("The link stands in the address bar.");
   }
 };
 find("world").onclick = () => {
@@ -239,13 +242,13 @@ find("again").onsubmit = (event) => {
   const seed = find("seed").value.trim();
   if (seed === "") page.link.ask({ do: "again" });
   else if (/^\d{1,15}$/.test(seed)) page.link.ask({ do: "again", seed: Number(seed) });
-  else say("A seed is a whole number.");
+  else notice("A seed is a whole number.");
 };
 find("find").onsubmit = (event) => {
   event.preventDefault();
   const robot = page.state.names.indexOf(find("robot").value.trim());
   if (robot >= 0) hands.select([robot]);
-  else say("There is no robot of that name.");
+  else notice("There is no robot of that name.");
 };
 window.addEventListener("hashchange", () => goTo(location.hash));
 if (innerWidth <= 720) find("layers").open = false;
