@@ -1,13 +1,17 @@
-"""What waits for pages is bounded: one moment each, and so many wishes."""
+"""What waits for pages is bounded, and how often a moment is due."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 
+from sim.build import load
+from sim.engine import Engine, Settings
+from sim.fleet.fleet import Fleet
 from sim.view.frames import CARDS, COLORS, POSES, STATES, decode
 from sim.view.moment import Moment
 from troupe.live.asks import Ask
@@ -15,6 +19,7 @@ from troupe.live.entrance import page_files
 from troupe.live.exchange import MOST_ASKED, Exchange
 from troupe.live.messages import Messages
 from troupe.live.viewer import Viewer
+from troupe.live.watch import Watch
 
 
 def moment(tick: int) -> Moment:
@@ -82,6 +87,26 @@ def test_a_run_that_has_time_to_spare_shows_all_that_it_can(
     exchange.offer(moment(1), cost=1000.0, idle=True)
     exchange.hungry = True
     assert exchange.due
+
+
+@pytest.mark.parametrize(("pace", "idle"), [(None, False), (1e-6, True), (1e9, False)])
+def test_a_run_has_time_to_spare_where_it_is_ahead_of_its_pace(
+    pace: float | None, idle: bool, still: Path
+) -> None:
+    told = []
+
+    class Noted(Exchange):
+        def offer(self, moment: Moment, cost: float = 0.0, *, idle: bool = False) -> None:
+            told.append(idle)
+
+    engine = Engine(load(still), Settings(1, 10.0, realtime=pace), Fleet(), lambda line: None)
+    engine.begin()
+    engine.tick()
+    watch = Watch(Noted())
+    watch.each_tick(engine)
+    watch.finish("interrupted")
+    engine.crew.dismiss()
+    assert told[0] is idle
 
 
 def test_pages_that_know_the_same_are_sent_the_same_bytes() -> None:
