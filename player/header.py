@@ -21,6 +21,9 @@ HEADER_SIZE = HEADER.size
 MAX_PAYLOAD = 8 << 20
 """Largest payload that Player itself would make (8 MB)."""
 
+MAX_REQUEST = 1 << 20
+"""Largest payload that a client may send, bytes: far above any request, 65 thousand points."""
+
 _LAST_TYPE = 6
 
 

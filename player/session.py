@@ -30,7 +30,7 @@ from player.events import (
     Subscribed,
     Unsubscribed,
 )
-from player.header import Message, MessageReader
+from player.header import MAX_REQUEST, Message, MessageReader
 from player.telling import BACKLOG_LIMIT, Telling
 from player.usual_commands import UsualCommands
 from player.xdr import Values
@@ -49,9 +49,6 @@ __all__ = [
     "Subscribed",
     "Unsubscribed",
 ]
-
-MAX_REQUEST = 1 << 20
-"""Largest payload that a client may send, bytes: far above any request, 65 thousand points."""
 
 _PLAYER = int(Interface.PLAYER)
 _, _CMD, _REQ, _ACK, _, _NACK = map(int, MessageType)

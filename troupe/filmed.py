@@ -63,7 +63,7 @@ class Filmed:
         from sim.video.layers import parse_layers  # noqa: PLC0415
         from sim.video.projection import parse_size  # noqa: PLC0415
 
-        size = parse_size(self.size) if isinstance(self.size, str) else self.size
+        size = None if self.size is None else parse_size(self.size)
         show = parse_layers(self.show) if isinstance(self.show, str) else self.show
         still = recorder = None
         if self.picture is not None:

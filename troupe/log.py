@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from sim.log import contents
 from sim.log.errors import LogError
 from sim.log.reader import LogReader
+from troupe.usage import UsageError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 __all__ = ["Log", "LogError"]
 
 Floats = NDArray[np.float64]
+LATEST = 2.0**62
+"""Nanoseconds that no log comes to."""
 
 
 class Said(NamedTuple):
@@ -322,8 +326,12 @@ class Log:
 
 
 def nanoseconds(time: float | None) -> int | None:
-    """Simulated seconds as a log's times."""
-    return None if time is None else max(0, round(time * 1e9))
+    """Simulated seconds as a log's times; raises UsageError for what is no number."""
+    if time is None:
+        return None
+    if math.isnan(time):
+        raise UsageError("a time in a log is a number of simulated seconds (given: nan)")
+    return round(min(max(0.0, time * 1e9), LATEST))
 
 
 def later(a: int | None, b: int | None) -> int | None:

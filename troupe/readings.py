@@ -94,7 +94,7 @@ def find_sensor(suite: Suite, name: str) -> Place:
 
     Raises ValueError where no robot has it, with what there is.
     """
-    kind, _, number = name.partition(":")
+    kind, _, number = name.partition(":") if isinstance(name, str) else ("", "", "?")
     if number and not number.isdecimal():
         raise ValueError(f"{name!r} is no sensor: write it as laser, or laser:1")
     index = int(number or 0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from sim.fleet.fleet import Fleet
 from sim.interrupts import Interrupts
 from troupe.address import Address, parse_address
 from troupe.filmed import Filmed, Size
+from troupe.given import checked_controllers, checked_patience, checked_seconds, checked_seed
 from troupe.setting import Setting, as_text
 from troupe.usage import UsageError
 from troupe.usage import told as told_error
@@ -89,7 +89,10 @@ def run_file(
 
     Raises UsageError for an argument that cannot be.
     """
-    check_numbers(seed, duration, realtime, patience)
+    seed = None if seed is None else checked_seed(seed)
+    duration = None if duration is None else checked_seconds("duration", duration)
+    realtime = None if realtime is None else checked_seconds("realtime", realtime)
+    patience = checked_patience(patience)
     address = None if listen is None else parse_address("listen", listen)
     filmed = Filmed(video, video_fps, video_speed, video_size, video_show, picture, at)
     interrupts, own = interrupts or Interrupts(), interrupts is None
@@ -123,13 +126,14 @@ def run_file(
         warm_once(say)
         compiling = ending.enter_context(Compiling(say))
         loaded = loaded_world(world, as_text(settings))
+        controllers = checked_controllers(controllers, loaded)
         told = Settings(
             seed=loaded.world.seed if seed is None else seed,
             duration=loaded.world.duration if duration is None else duration,
             realtime=realtime,
             free=free,
             listen=address,
-            patience=patience or math.inf,
+            patience=patience,
             fail_fast=fail_fast,
         )
         if is_served(loaded, address, controllers):
@@ -218,19 +222,6 @@ def reported(recorder: Recorder | None, path: Path) -> str | None:
     except LogError as error:
         return f"{path}: there is no report: {error}"
     return None
-
-
-def check_numbers(
-    seed: int | None, duration: float | None, realtime: float | None, patience: float
-) -> None:
-    """Raises UsageError for what is out of range."""
-    for name, value in (("duration", duration), ("realtime", realtime)):
-        if value is not None and not (math.isfinite(value) and value > 0):
-            raise UsageError(f"{name}: must be above 0 (given: {value:g})")
-    if not (math.isfinite(patience) and patience >= 0):
-        raise UsageError(f"patience: must be above 0, or 0 to wait for ever (given: {patience:g})")
-    if seed is not None and not 0 <= seed < 1 << 63:
-        raise UsageError(f"seed: must be from 0 to {(1 << 63) - 1} (given: {seed})")
 
 
 def open_log_of(

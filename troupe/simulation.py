@@ -33,8 +33,9 @@ from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
 from sim.rehearsal import is_served, rehearse
+from troupe.address import Address, parse_address
 from troupe.driving import Driving, Robots
-from troupe.given import checked_controllers, checked_seed
+from troupe.given import checked_controllers, checked_patience, checked_seconds, checked_seed
 from troupe.opened import Kept, both, ended, nothing
 from troupe.readings import Place, Readings, find_sensor, readings_of
 from troupe.running import check_log
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from sim.build import LoadedWorld
     from sim.result import ControllerState, Outcome, Result
     from sim.video.snapshot import Snapshot
+    from troupe.filmed import Size
     from troupe.live.window import Window
 
 Floats = NDArray[np.float64]
@@ -88,11 +90,11 @@ class Simulation:
             that are not in it are left to Python.
         duration: simulated seconds at most; the world's unless given.
         set: changes to the world, such as `{"clock.interval": 0.05}`.
-        listen: (host, port), where Player clients can connect.
+        listen: where Player clients can connect, as `"127.0.0.1:6665"` or (host, port).
         realtime: simulated seconds per wall-clock second, to which steps are held; as fast as
             possible unless given.
         free: nobody waits for Player clients from outside, and steps are held to real time.
-        patience: wall-clock seconds that a process may keep the others waiting.
+        patience: wall-clock seconds that a process may keep the others waiting; 0: for ever.
         log: an MCAP file in which the run is kept, see docs/logs.md; the world file's unless given.
             It is whole when the simulation is closed. A run after `reset` has its own, whose name
             ends in -2, -3 and so on.
@@ -114,7 +116,7 @@ class Simulation:
         controllers: Controllers = True,
         duration: float | None = None,
         set: Mapping[str, Any] | None = None,
-        listen: tuple[str, int] | None = None,
+        listen: Address | None = None,
         realtime: float | None = None,
         free: bool = False,
         patience: float = 60.0,
@@ -128,17 +130,19 @@ class Simulation:
         self._controllers = checked_controllers(controllers, self._loaded)
         self._settings = Settings(
             seed=checked_seed(self._loaded.world.seed if seed is None else seed),
-            duration=self._loaded.world.duration if duration is None else duration,
-            realtime=realtime,
+            duration=checked_seconds(
+                "duration", self._loaded.world.duration if duration is None else duration
+            ),
+            realtime=None if realtime is None else checked_seconds("realtime", realtime),
             free=free,
-            listen=listen,
-            patience=patience,
+            listen=None if listen is None else parse_address("listen", listen),
+            patience=checked_patience(patience),
         )
         self._say = say
         self._own = True
         self._lock: contextlib.AbstractContextManager[object] = contextlib.nullcontext()
         self._window: Window | None = None
-        if is_served(self._loaded, listen, self._controllers):
+        if is_served(self._loaded, self._settings.listen, self._controllers):
             rehearse(self._loaded, self._settings.seed)
         self._begin()
 
@@ -245,8 +249,7 @@ class Simulation:
             raise RuntimeError("this run goes on by itself: a hook cannot step it")
         if n < 1:
             raise ValueError(f"step(n): n must be at least 1 (given: {n})")
-        if not self._end.alive:
-            raise RuntimeError("this simulation has been closed; reset() starts it anew")
+        self._refuse_closed()
         engine = self._engine
         if engine.crew.interrupted:
             return  # `stop` may come at any moment
@@ -267,6 +270,10 @@ class Simulation:
             except FunctionError as error:
                 self.close()
                 raise RunError(str(error), self.result()) from error.__cause__
+
+    def _refuse_closed(self) -> None:
+        if not self._end.alive:
+            raise RuntimeError("this simulation has been closed; reset() starts it anew")
 
     def stop(self) -> None:
         """End the run as `interrupted`, from another thread, say: steps do nothing any more.
@@ -418,6 +425,7 @@ class Simulation:
         Raises ValueError for a robot that is not there or that a controller drives, for shapes
         that do not fit, and for what is no finite number.
         """
+        self._refuse_closed()
         with self._lock:
             self._driving.command(robots, forward, side, turn)
 
@@ -426,6 +434,7 @@ class Simulation:
 
         Raises ValueError where it would lie outside or overlap something.
         """
+        self._refuse_closed()
         (index,) = self.indices(robot).tolist()
         at = np.asarray(pose, np.float64)
         if at.shape != (3,) or not np.isfinite(at).all():
@@ -441,6 +450,7 @@ class Simulation:
 
         Raises ValueError where the robot has no such sprayer.
         """
+        self._refuse_closed()
         (index,) = self.indices(robot).tolist()
         sprayers = self._engine.robots[index].sprayers
         if not 0 <= sprayer < len(sprayers):
@@ -449,6 +459,7 @@ class Simulation:
 
     def say(self, robot: int | str, text: str) -> None:
         """Have a robot say something: it stands in the result, and in pictures for a while."""
+        self._refuse_closed()
         (index,) = self.indices(robot).tolist()
         with self._lock:
             self._engine.robots[index].record.said.append((self.time, str(text)))
@@ -462,15 +473,19 @@ class Simulation:
 
         return Film().look(self._engine).snapshot()
 
-    def picture(self, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
-        """This moment as an image (height, width, 3), red, green, blue; `size`: width, height.
+    def picture(self, size: Size | None = None) -> NDArray[np.uint8]:
+        """This moment as an image (height, width, 3), red, green, blue.
+
+        `size`: width and height in pixels, as (640, 840) or `"640x840"`.
 
         Raises sim.video.errors.VideoError for a size that cannot be.
         """
         from sim.showing import backdrop_of, shape_of  # noqa: PLC0415
         from sim.video.picture import Picture  # noqa: PLC0415 - loads OpenCV
+        from sim.video.projection import parse_size  # noqa: PLC0415
 
-        picture = Picture(backdrop_of(self._loaded), size)
+        pixels = None if size is None else parse_size(size)
+        picture = Picture(backdrop_of(self._loaded), pixels)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
         return np.ascontiguousarray(picture.draw(self.view())[:, :, ::-1])
@@ -493,7 +508,6 @@ class Simulation:
         back has its `address`, and `close()`; it goes with this simulation. A second call gives the
         same page. Raises OSError where the address cannot be had.
         """
-        from troupe.address import parse_address  # noqa: PLC0415
         from troupe.live.window import Window  # noqa: PLC0415 - loaded for those who watch
 
         if not self._end.alive or not self._own:

@@ -28,7 +28,8 @@ class SimulationProxy(Proxy):
     def report(self, key: str, value: Any) -> None:
         """Sets property `key` of the client's own robot to a value that JSON can carry.
 
-        Such properties stand in the run's result. Raises ValueError or TypeError where JSON
+        Such properties stand in the run's result. A client that has not been told its robot's name
+        means the one whose port it is at. Raises ValueError or TypeError where JSON
         cannot carry it (NaN), PlayerRefused where the server does not take it.
         """
         import json  # noqa: PLC0415 - only reports need it, and controllers start by the hundred

@@ -73,9 +73,11 @@ class Simulation:
             context.later(self.robot, lambda: setattr(context, "resets", 1), "reset")
 
     def request(self, name: str, values: Values) -> Values | None:
-        if name == "get_property":
-            return self.get_property(values)
-        if name == "set_property":
+        if name in ("get_property", "set_property"):
+            if not values["name"] and self.alone:  # a program that was started by hand knows none
+                values = {**values, "name": self.robot.name}
+            if name == "get_property":
+                return self.get_property(values)
             self.set_property(values)
             return None
         if not self.full or "name" not in values:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from operator import index
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,17 +99,24 @@ def default_size(world: tuple[float, float], long_side: int = LONG_SIDE) -> tupl
     return sides[0], sides[1]
 
 
-def parse_size(text: str) -> tuple[int, int]:
-    """Width and height of a text such as `640x840`; raises VideoError for any other."""
-    match = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+def parse_size(size: str | tuple[int, int]) -> tuple[int, int]:
+    """Width and height as they are, or of a text such as `640x840`; VideoError for any other."""
+    if not isinstance(size, str):
+        return check_size(size)
+    match = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", size)
     if match is None:
-        raise VideoError(f"video size {text!r}: not WIDTHxHEIGHT in pixels, such as 640x840")
+        raise VideoError(f"video size {size!r}: not WIDTHxHEIGHT in pixels, such as 640x840")
     return check_size((int(match[1]), int(match[2])))
 
 
 def check_size(size: tuple[int, int]) -> tuple[int, int]:
     """`size` itself; raises VideoError where no H.264 video can have it."""
-    width, height = size
+    try:
+        width, height = map(index, size)
+    except (TypeError, ValueError):
+        raise VideoError(
+            f"video size {size!r}: not width and height in whole pixels, such as (640, 840)"
+        ) from None
     if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
         raise VideoError(
             f"video size {width}x{height}: each side must be {SMALLEST} to {LARGEST} pixels"

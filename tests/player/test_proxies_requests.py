@@ -258,6 +258,21 @@ def test_what_json_cannot_carry_is_refused_before_it_is_sent(value):
     talk_with(SimulationProxy, lambda talk: None, act)
 
 
+@pytest.mark.parametrize(
+    ("proxy_class", "act"),
+    [
+        (Graphics2dProxy, lambda p: p.draw_polyline(np.zeros((65_536, 2)))),
+        (SpeechProxy, lambda p: p.say("x" * (1 << 20))),
+    ],
+)
+def test_what_is_more_than_a_server_takes_is_refused_before_it_is_sent(proxy_class, act):
+    def ask(proxy):
+        with pytest.raises(XdrError, match="too many"):
+            act(proxy)
+
+    talk_with(proxy_class, lambda talk: None, ask)
+
+
 def test_a_command_that_does_not_fit_is_refused_before_it_is_sent():
     def act(proxy):
         with pytest.raises(XdrError, match="velocity"):

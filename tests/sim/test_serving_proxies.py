@@ -19,6 +19,7 @@ from player import (
     PlayerRefused,
     Position2dProxy,
     RangerProxy,
+    SimulationProxy,
 )
 from tests.sim.served_world import ONE, TWO, WORLD, placed
 from tests.sim.serving import Serving, write_world
@@ -52,6 +53,21 @@ models:
 robots: [{{name: one, model: seer, pose: [{20 - distance!r}, 10, 0], controller: hand}}]
 controllers: {{hand: {{external: true}}}}
 """
+
+
+def test_a_program_started_by_hand_reports_of_the_robot_whose_port_it_is_at(robot: Robot) -> None:
+    client = robot(facing_a_wall(5.0, "type: laser"))
+    base, simulation = Position2dProxy(client), SimulationProxy(client)
+    simulation.report("rank", 3)
+    assert simulation.get_property("", "rank") == simulation.get_property("one", "rank") == b"3"
+    assert client.read()
+    assert client.read()
+    assert base.valid
+    assert simulation.get_property("one", "rank") == b"3"
+    with pytest.raises(PlayerRefused):
+        simulation.set_property("nobody", "rank", b"3")
+    with pytest.raises(PlayerRefused):
+        simulation.get_pose2d("")
 
 
 NEAR_THE_END = 5.0 - 1e-8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +89,21 @@ def test_a_part_of_a_log_is_cut_by_seconds(run) -> None:
     assert part.poses.tobytes() == log.poses[19:29].tobytes()
     assert part[2.5:].ticks.tolist() == list(range(25, 30))
     assert len(log[100.0:]) == 0
+
+
+def test_the_ends_of_a_part_may_be_any_numbers_and_nothing_else(run, tmp_path: Path) -> None:
+    log = troupe.Log(run[0])
+    assert len(log[-math.inf : math.inf]) == len(log[-1e300:1e300]) == len(log)
+    assert len(log[math.inf :]) == len(log[: -math.inf]) == 0
+    assert (log.floor(math.inf) == log.floor()).all()
+    for ask in (lambda: log[math.nan :], lambda: log[: math.nan], lambda: log.floor(math.nan)):
+        with pytest.raises(ValueError, match="number of simulated seconds"):
+            ask()
+    out = str(tmp_path / "poses.csv")
+    done = command("export", str(run[0]), "-o", out, "--from", "nan")
+    assert done.exit_code == 2
+    assert "number of simulated seconds" in done.stderr
+    assert command("export", str(run[0]), "-o", out, "--until", "inf").exit_code == 0
 
 
 def test_a_log_holds_what_was_said_printed_sensed_and_painted(run) -> None:

@@ -18,6 +18,7 @@ from troupe.app import app
 from troupe.report.charts import nice
 from troupe.report.log import report_of
 from troupe.report.measures import measure, nearest_pair
+from troupe.sweep.folder import write_aside
 from troupe.usage import UsageError
 
 WORLD = """\
@@ -218,6 +219,28 @@ def test_what_no_report_can_be_made_of_is_refused(
     done = CliRunner().invoke(app, ["report", str(kept.log.path), *words])
     assert done.exit_code == 2
     assert message in done.stderr
+
+
+@pytest.mark.parametrize("name", ["folder.html", "no\0name.html", "here.html"])
+def test_where_no_report_can_be_written_is_said_before_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder.html").mkdir()
+    Path("here.html").symlink_to("here.html")
+    ticks: list[float] = []
+    with pytest.raises(UsageError, match=r"^(folder|no\0name|here)\.html: "):
+        troupe.run("wander", duration=0.1, report=name, each_tick=lambda sim: ticks.append(1))
+    assert not ticks
+
+
+def test_a_page_that_cannot_be_written_is_named_as_it_was_asked_for(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    page.mkdir()
+    with pytest.raises(OSError, match=r"page\.html'$") as told:
+        write_aside(page, b"")
+    assert told.value.filename == str(page)
+    assert list(tmp_path.iterdir()) == [page]
 
 
 def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from sim.log.playback import Playback
+from sim.video.errors import VideoError
+from sim.video.target import check_target
 from troupe.log import Log
 from troupe.report.charts import Mark, Series, chart, escaped, number, time_line
 from troupe.report.html import MOST_ROWS, figure, page, preformatted, table
@@ -23,14 +25,17 @@ from troupe.usage import UsageError
 MOST_LINED, MOST_MARKS = 40, 1500
 """Robots on the time line, and marks on it."""
 LAST_LINES = 5
+ENDINGS = (".html", ".htm")
 
 
 def check_page(path: Path) -> None:
     """Raises UsageError for a page that cannot be asked for."""
-    if path.suffix.lower() not in (".html", ".htm"):
+    if path.suffix.lower() not in ENDINGS:
         raise UsageError(f"{path}: the report of a run is a page: name it *.html")
-    if not path.parent.is_dir():
-        raise UsageError(f"{path}: there is no folder {path.parent}")
+    try:
+        check_target(path, endings=ENDINGS, what="report")
+    except VideoError as error:
+        raise UsageError(str(error)) from error
 
 
 def write_report(log: Log, path: Path) -> None:

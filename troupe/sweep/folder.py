@@ -66,7 +66,10 @@ def check_folder(folder: Path) -> None:
 
 
 def write_aside(path: Path, data: bytes) -> None:
-    """Write a file so that under its name there is all of it or nothing, whatever happens."""
+    """Write a file so that under its name there is all of it or nothing, whatever happens.
+
+    Raises OSError that names the file as it was asked for.
+    """
     aside = path.with_name(f"{path.name}.{platform.node()}-{os.getpid()}.tmp")
     try:
         with aside.open("wb") as file:
@@ -74,9 +77,11 @@ def write_aside(path: Path, data: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(aside, path)
-    except BaseException:
+    except BaseException as error:
         with contextlib.suppress(OSError):
             aside.unlink()
+        if isinstance(error, OSError):
+            raise OSError(error.errno, error.strerror, str(path)) from error
         raise
     sync_folder(path.parent)
 
