@@ -151,6 +151,20 @@ class Connection:
         session.publish_round(data, time)
         self.flush()
 
+    def take_round(self, piece: memoryview, messages: int) -> bool:
+        """Writes a round that is encoded already, if that is all its client waits for.
+
+        `piece` is from the acknowledgement to the end, and may change afterwards; False: nothing
+        has been done.
+        """
+        if self._unsent is not None or self._deaf or not self.is_open:
+            return False
+        said = self.session.round_ready(piece, messages)
+        if said is None:
+            return False
+        self._write_at_once(said)
+        return True
+
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
         if self.is_open:
@@ -248,16 +262,19 @@ class Connection:
         if self._mask != selectors.EVENT_READ:
             self._select(selectors.EVENT_READ)
 
-    def _write_at_once(self, piece: bytes) -> None:
+    def _write_at_once(self, piece: bytes | memoryview) -> None:
         """Writes a piece that nothing is before."""
-        self._desk.ready.pop(self, None)
-        self._desk.held.pop(self, None)
+        desk = self._desk
+        if desk.ready:
+            desk.ready.pop(self, None)
+        if desk.held:
+            desk.held.pop(self, None)
         try:
             sent = self._socket.send(piece)
         except OSError:
             sent = 0  # whatever it is: the plain way finds it again
         if sent < len(piece):
-            self._unsent = memoryview(piece)[sent:]
+            self._unsent = memoryview(bytes(piece[sent:]))
             self.proceed()
 
     # -- its end ----------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from player.codes import (
 from player.directory import Datum, Directory
 from player.errors import XdrError
 from player.events import DataRequested, Request
-from player.header import HEADER, TIME, Message
+from player.header import HEADER, HEADER_SIZE, TIME, Message
 from player.outbox import Outbox
 from player.xdr import Values
 
@@ -36,7 +36,8 @@ BACKLOG_LIMIT = 1 << 20
 _PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
 _PULL = DataMode.PULL
 _SERVED, _UNSERVED = DataRequested(served=True), DataRequested(served=False)
-_SYNCH_OK = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)
+ROUND_END = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)
+"""What ends a round in which nothing is missing."""
 
 
 class Telling:
@@ -212,7 +213,19 @@ class Telling:
         if self._held_ack:
             before += self._data_ack()
         self._held_ack = self.waiting = False
-        return b"".join((before, *parts, _SYNCH_OK))
+        return b"".join((before, *parts, ROUND_END))
+
+    def round_ready(self, piece: memoryview, messages: int) -> bytes | memoryview | None:
+        """The same of a round that is encoded already, from its acknowledgement to its end."""
+        outbox = self._outbox
+        if not self.waiting or self._open_round or not outbox.idle or messages > outbox.limit:
+            return None
+        self.waiting = False
+        before = outbox.take()
+        if self._held_ack:
+            self._held_ack = False
+            return before + piece if before else piece
+        return before + piece[HEADER_SIZE:]
 
     def keep_newest(self) -> None:
         """Data that waits is no more than the newest of each kind, unless the client has rules."""
@@ -240,7 +253,7 @@ class Telling:
             self._outbox.say(header + payload)
             self._outbox.dropped = 0
         else:
-            self._outbox.say(_SYNCH_OK)
+            self._outbox.say(ROUND_END)
         self.waiting = False
 
     def _release_ack(self) -> None:

@@ -21,6 +21,7 @@ from sim.devices.device import (
     scaled,
 )
 from sim.devices.encoding import Encodings
+from sim.devices.rounds import Standing
 from sim.robot import Robot
 from sim.stage.geometry import extent, size_of
 
@@ -66,6 +67,10 @@ class Position2d:
             self.obeys["car"] = self.steer
         else:
             self.obeys |= {"position": self.go_to, "velocity_heading": self.head}
+
+    def standing(self) -> Standing:
+        """What it always tells."""
+        return Standing(1, self.states, self.robot.index)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ((1, self.states.payload(self.robot.index)),)
