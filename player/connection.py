@@ -206,7 +206,8 @@ class Connection:
         session = self.session
         while True:
             events = session.receive(data)
-            self._desk.events += [(self, event) for event in events]
+            for event in events:
+                self._desk.events.append((self, event))
             if session.broken:
                 if events and type(events[-1]) is Malformed:
                     self.write()

@@ -78,10 +78,6 @@ class Context:
         """
         self.put_off(robot, action, action if key is None else key)
 
-    def drive_later(self, robot: Robot, twist: Twist, key: Hashable) -> None:
-        """As `later` with a key, of an action that is `drive` with this velocity."""
-        self.put_off(robot, twist, key)
-
     def put_off(self, robot: Robot, action: Action | Twist, key: Hashable) -> None:
         """Note what is to be done, or how the robot is to be driven, at the next command phase."""
         actions = self.pending.get(robot.index)

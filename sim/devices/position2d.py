@@ -80,7 +80,7 @@ class Position2d:
         if name == "velocity":
             (vx, vy, wz), most = values["vel"], FARTHEST
             if most >= vx >= -most and most >= vy >= -most and most >= wz >= -most:
-                self.context.drive_later(self.robot, (vx, vy, wz), DRIVE)
+                self.context.put_off(self.robot, (vx, vy, wz), DRIVE)
                 return
         obey = self.obeys.get(name)
         if obey is None:
