@@ -142,13 +142,7 @@ class Connection:
 
     def publish_round(self, data: Sequence[Datum], time: float) -> None:
         """All data of a tick, as `Session.publish_round`, and writes it as `flush` does."""
-        session = self.session
-        if self._unsent is None and not self._deaf and self.is_open:
-            piece = session.round_at_once(data, time)
-            if piece is not None:
-                self._write_at_once(piece)
-                return
-        session.publish_round(data, time)
+        self.session.publish_round(data, time)
         self.flush()
 
     def take_round(self, piece: memoryview, messages: int) -> bool:
@@ -264,7 +258,7 @@ class Connection:
             self._select(selectors.EVENT_READ)
 
     def _write_at_once(self, piece: bytes | memoryview) -> None:
-        """Writes a piece that nothing is before."""
+        """Writes a piece that nothing is before; it may change afterwards."""
         desk = self._desk
         if desk.ready:
             desk.ready.pop(self, None)

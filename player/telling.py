@@ -189,34 +189,16 @@ class Telling:
 
         Of each device and subtype there is one at the most.
         """
-        piece = self.round_at_once(data, time)
-        if piece is not None:
-            self._outbox.say(piece)
-            return
         for addr, subtype, payload in data:
             self.publish(addr, subtype, payload, time)
         self.end_of_round()
 
-    def round_at_once(self, data: Sequence[Datum], time: float) -> bytes | None:
-        """The same as one piece, which is to be written before anything else.
-
-        Only if that is all the client waits for, and there is data; None otherwise: nothing has
-        changed then.
-        """
-        outbox = self._outbox
-        if not self.waiting or self._open_round or not outbox.idle or len(data) > outbox.limit:
-            return None
-        parts = self.directory.tell(data, self.subscribed, time)
-        if not parts:
-            return None
-        before = outbox.take()
-        if self._held_ack:
-            before += self._data_ack()
-        self._held_ack = self.waiting = False
-        return b"".join((before, *parts, ROUND_END))
-
     def round_ready(self, piece: memoryview, messages: int) -> bytes | memoryview | None:
-        """The same of a round that is encoded already, from its acknowledgement to its end."""
+        """What to write, before anything else, of a round that is encoded already.
+
+        From its acknowledgement to its end, so many messages of data. Only if that is all the
+        client waits for; None otherwise: nothing has changed then.
+        """
         outbox = self._outbox
         if not self.waiting or self._open_round or not outbox.idle or messages > outbox.limit:
             return None

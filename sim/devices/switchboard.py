@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 from player import messages
 from player.codes import DeviceAddr, MessageType
@@ -11,7 +12,7 @@ from player.directory import Datum, Directory
 from player.events import Command, Request
 from player.server import Connection
 from sim.devices.device import Context, Device, Refused
-from sim.devices.rounds import Rounds, standing
+from sim.devices.rounds import Rounds
 from sim.robot import Robot
 
 
@@ -198,14 +199,11 @@ class Switchboard:
 
     def rehearse(self, round: int) -> None:
         """Write rounds for nobody, so that what is compiled for them is ready."""
-        clients = []
-        for port in self.ports.values():
-            for device in port.devices.values():
-                list(device.publish())
-            batched = {device: addr for addr, device in port.devices.items() if standing(device)}
-            clients.append((None, port.directory, batched))
+        nobody: Any = None
         rounds = Rounds()
-        rounds.plan(clients, round)  # type: ignore[arg-type]
+        for port in self.ports.values():
+            devices = {device: addr for addr, device in port.devices.items()}
+            rounds.plan([(nobody, port.directory, devices)], round)
         rounds.write(self.context.time, round)
 
     def show_again(self, connection: Connection, time: float) -> None:

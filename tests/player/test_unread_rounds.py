@@ -6,6 +6,7 @@ import socket
 import struct
 import threading
 from contextlib import contextmanager
+from itertools import chain, repeat
 
 import numpy as np
 import pytest
@@ -111,12 +112,15 @@ def seen(rounds, looks, kinds):
     found = []
     with scripted(script) as sock, PlayerClient(sock=sock) as robot:
         proxies = [kind(robot) for kind in kinds]
-        for look in [*looks, NAMES]:
+        goes_on = True
+        for look in chain(looks, repeat(NAMES)):
+            if not goes_on:
+                break
             try:
-                found.append(robot.read())
-            except XdrError as error:
+                goes_on = robot.read()
+            except XdrError as error:  # what comes behind it is the next reading
                 found.append(str(error))
-            found.append(robot.time)
+            found += [goes_on, robot.time]
             found += [(proxy.fresh, proxy.valid, proxy.time) for proxy in proxies]
             found += [(name, value(proxies[at], name)) for at, name in look]
     return found
