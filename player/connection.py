@@ -151,13 +151,11 @@ class Connection:
         `piece` is from the acknowledgement to the end, and may change afterwards; False: nothing
         has been done.
         """
-        if self._unsent is not None or self._deaf or not self.is_open:
-            return False
-        said = self.session.round_ready(piece, messages)
-        if said is None:
-            return False
-        self._write_at_once(said)
-        return True
+        can = self._unsent is None and not self._deaf and self.is_open
+        said = self.session.round_ready(piece, messages) if can else None
+        if said is not None:
+            self._write_at_once(said)
+        return said is not None
 
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
@@ -200,8 +198,7 @@ class Connection:
         session = self.session
         while True:
             events = session.receive(data)
-            for event in events:
-                self._desk.events.append((self, event))
+            self._desk.events += [(self, event) for event in events]
             if session.broken:
                 if events and type(events[-1]) is Malformed:
                     self.write()
