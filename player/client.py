@@ -135,8 +135,7 @@ class PlayerClient:
         if self._closed:
             raise PlayerDisconnected("this PlayerClient has been closed")
         hearing, link = self._hearing, self._link
-        for proxy in hearing.proxies:
-            proxy.fresh = False
+        hearing.begin()
         if link.ending:
             return False
         if not hearing.routes:

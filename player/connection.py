@@ -142,14 +142,20 @@ class Connection:
 
     def publish_round(self, data: Sequence[Datum], time: float) -> None:
         """All data of a tick, as `Session.publish_round`, and writes it as `flush` does."""
-        session = self.session
-        if self._unsent is None and not self._deaf and self.is_open:
-            piece = session.round_at_once(data, time)
-            if piece is not None:
-                self._write_at_once(piece)
-                return
-        session.publish_round(data, time)
+        self.session.publish_round(data, time)
         self.flush()
+
+    def take_round(self, piece: memoryview, messages: int) -> bool:
+        """Writes a round that is encoded already, if that is all its client waits for.
+
+        `piece` is from the acknowledgement to the end, and may change afterwards; False: nothing
+        has been done.
+        """
+        can = self._unsent is None and not self._deaf and self.is_open
+        said = self.session.round_ready(piece, messages) if can else None
+        if said is not None:
+            self._write_at_once(said)
+        return said is not None
 
     def close(self) -> None:
         """Writes what the socket takes at once, and closes. No Disconnected event follows."""
@@ -248,16 +254,19 @@ class Connection:
         if self._mask != selectors.EVENT_READ:
             self._select(selectors.EVENT_READ)
 
-    def _write_at_once(self, piece: bytes) -> None:
-        """Writes a piece that nothing is before."""
-        self._desk.ready.pop(self, None)
-        self._desk.held.pop(self, None)
+    def _write_at_once(self, piece: bytes | memoryview) -> None:
+        """Writes a piece that nothing is before; it may change afterwards."""
+        desk = self._desk
+        if desk.ready:
+            desk.ready.pop(self, None)
+        if desk.held:
+            desk.held.pop(self, None)
         try:
             sent = self._socket.send(piece)
         except OSError:
             sent = 0  # whatever it is: the plain way finds it again
         if sent < len(piece):
-            self._unsent = memoryview(piece)[sent:]
+            self._unsent = memoryview(bytes(piece[sent:]))
             self.proceed()
 
     # -- its end ----------------------------------------------------------------------------

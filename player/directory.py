@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 
-from player.codes import DeviceAddr, MessageType
-from player.header import FRONT, TIME
+from player.codes import DeviceAddr
+from player.header import FRONT
 from player.messages import encode
-
-_DATA = int(MessageType.DATA)
 
 Datum = tuple[DeviceAddr, int, bytes]
 """Data of a device: its address there, the subtype, the payload."""
-
-MOST_HEADS = 256
-"""Headers of data that are kept: the sizes of blobs differ."""
 
 
 @cache
@@ -49,7 +44,6 @@ class Directory:
         """The devices, and the names of their drivers: to be looked at."""
         self._list: bytes | None = None
         self._fronts: dict[tuple[int, int, int, int], bytes] = {}
-        self._heads: dict[tuple[DeviceAddr, int, int], tuple[bytes, bytes]] = {}
         self.place(host, port)
         for addr, driver in (devices or {}).items():
             self.add(addr, driver)
@@ -87,7 +81,6 @@ class Directory:
         """The address as it stands in headers: 127.0.0.1 is 0x0100007f."""
         self._list = None
         self._fronts.clear()
-        self._heads.clear()
 
     def front(self, interf: int, index: int, type: int, subtype: int) -> bytes:
         """The header of data, or of an answer, from here, up to its timestamp; it is kept."""
@@ -96,27 +89,6 @@ class Directory:
         if front is None:
             front = self._fronts[kind] = FRONT.pack(self.wire_host, self.port, *kind)
         return front
-
-    def tell(
-        self, data: Iterable[Datum], wanted: Container[DeviceAddr], time: float
-    ) -> list[bytes]:
-        """Data of the devices that are wanted, as messages from here: parts to be joined."""
-        heads, stamp = self._heads, TIME.pack(time)
-        parts: list[bytes] = []
-        for addr, subtype, payload in data:
-            if addr in wanted:
-                kind = (addr, subtype, len(payload))
-                front, rest = heads.get(kind) or self._head(*kind)
-                parts += (front, stamp, rest, payload)
-        return parts
-
-    def _head(self, addr: DeviceAddr, subtype: int, size: int) -> tuple[bytes, bytes]:
-        """What stands before the timestamp of data of that size, and what between it and them."""
-        head = self.front(*addr, _DATA, subtype), size.to_bytes(8)
-        if len(self._heads) >= MOST_HEADS:
-            self._heads.clear()
-        self._heads[addr, subtype, size] = head
-        return head
 
     def listing(self) -> bytes:
         """The payload of the device list's ACK."""

@@ -73,36 +73,37 @@ class MessageReader:
     way to find the next message after it.
     """
 
-    __slots__ = ("_buffer", "_needed", "_offset", "max_payload")
+    __slots__ = ("_needed", "_offset", "left", "max_payload")
 
     def __init__(self, max_payload: int = MAX_PAYLOAD) -> None:
         self.max_payload = max_payload
-        self._buffer: bytes | bytearray = b""
+        self.left: bytes | bytearray = b""
+        """In whose end what was fed and not given as messages lies; empty if there is nothing."""
         self._offset = 0
         self._needed = HEADER_SIZE
 
     def feed(self, data: bytes) -> None:
         """Adds what has been received."""
-        left = len(self._buffer) - self._offset
+        left = len(self.left) - self._offset
         if not left:
-            self._buffer = data
+            self.left = data
             self._offset = 0
             return
-        if not isinstance(self._buffer, bytearray):
-            self._buffer = bytearray(self._buffer)
+        if not isinstance(self.left, bytearray):
+            self.left = bytearray(self.left)
         if self._offset:
-            del self._buffer[: self._offset]
+            del self.left[: self._offset]
             self._offset = 0
-        self._buffer += data
+        self.left += data
 
     @property
     def buffered(self) -> int:
         """Bytes that were fed and not yet given as messages."""
-        return len(self._buffer) - self._offset
+        return len(self.left) - self._offset
 
     def take(self) -> Message | None:
         """The next whole message, None if more bytes are needed for it."""
-        buffer = self._buffer
+        buffer = self.left
         start = self._offset
         left = len(buffer) - start
         if left < self._needed:
@@ -124,7 +125,7 @@ class MessageReader:
         self._needed = HEADER_SIZE
         payload = bytes(buffer[start + HEADER_SIZE : start + total])
         if left == total:
-            self._buffer = b""
+            self.left = b""
             self._offset = 0
         else:
             self._offset = start + total

@@ -32,39 +32,46 @@ class Hearing:
     """Takes what a server sends off a link, and hands data to the proxies."""
 
     def __init__(self, link: Link) -> None:
-        self.time = 0.0
-        """Simulated time of the last reading, seconds."""
         self.stray = 0
         """Replies that nobody was waiting for, dropped."""
-        self.proxies: list[Proxy] = []
         self.routes: dict[tuple[int, ...], list[Proxy]] = {}
         """The proxies, by their devices' interface and index."""
         self._link = link
         self._backlog = Backlog()
         self._usual = UsualRounds(self.routes)
+        self._time = 0.0
+        self._timely = False  # it is newer than that of the last familiar round
         self._asked = False
         self._acknowledged = False
         self._in_step = False  # the last round is over, and nothing that came since is left
 
     def route(self, proxy: Proxy) -> None:
         """The proxy gets its device's data from now on."""
-        self.routes.setdefault(tuple(map(int, proxy.addr)), []).append(proxy)
-        self.proxies.append(proxy)
         self._usual.forget()
+        self.routes.setdefault(tuple(map(int, proxy.addr)), []).append(proxy)
+        proxy.rounds = self._usual
 
     def unroute(self, proxy: Proxy) -> bool:
         """It does not any more; whether nobody else gets it."""
-        self.proxies.remove(proxy)
+        self._usual.forget()
         route = self.routes[proxy.addr]
         route.remove(proxy)
         if not route:
             del self.routes[proxy.addr]
-        self._usual.forget()
         return not route
 
     def begin_again(self) -> None:
         """The mode is another: what was asked for will not come."""
-        self._asked = self._acknowledged = False
+        self._asked = self._acknowledged = self._in_step = False
+
+    def begin(self) -> None:
+        """A reading begins: what came before it is not fresh any more."""
+        self._usual.begin()
+
+    @property
+    def time(self) -> float:
+        """Simulated time of the last reading, seconds."""
+        return self._time if self._timely else self._usual.time
 
     # -- rounds -----------------------------------------------------------------------------
 
@@ -73,10 +80,10 @@ class Hearing:
 
         Seconds of the wall clock for an answer, and for data after it; None: for ever.
         """
-        if self._in_step and timeout is None and read_timeout is None:
+        if self._in_step and read_timeout is None:
             self._in_step = False  # unless it ends well
             self._asked = True
-            if self._taken(self._link.exchange(REQUEST_DATA)):
+            if self._taken(self._link.exchange(REQUEST_DATA, timeout, _data)):
                 return
         self._take_slowly(timeout, read_timeout)
 
@@ -90,10 +97,10 @@ class Hearing:
                 return False
         except BaseException:
             self._acknowledged = True
-            self.time = usual.time
+            self._timely = False
             self._link.feed(usual.rest)  # for the next reading
             raise
-        self.time = usual.time
+        self._timely = False
         self._asked = False
         self._in_step = True
         return True
@@ -127,7 +134,7 @@ class Hearing:
                 return
             elif self._is_data_ack(message) and not self._acknowledged:
                 self._acknowledged = True
-                self.time = message.time  # in case the round holds no data
+                self._note(message.time)  # in case the round holds no data
                 deadline = Deadline(read_timeout, _data)
             elif type_ == _NACK and self._is_data_reply(message):
                 self._asked = False
@@ -198,6 +205,12 @@ class Hearing:
         return self._asked and message.type == _ACK and self._is_data_reply(message)
 
     def _dispatch(self, message: Message) -> None:
-        self.time = message.time
+        self._usual.settle()
+        self._note(message.time)
         for proxy in self.routes.get(message[2:4], ()):
+            self._usual.handed.append(proxy)
             proxy.take(message.subtype, message.payload, message.time)
+
+    def _note(self, time: float) -> None:
+        self._time = time
+        self._timely = True

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import select
 import socket
+import struct
 from collections.abc import Callable
 from time import monotonic
 from typing import NoReturn
@@ -63,6 +65,8 @@ class Link:
         self._tcp = place.sock is None
         self._readable: select.poll | None = None  # of a socket pair
         self._waits: float | None = None
+        self._limit: float | None = None  # what the system keeps
+        self._wait: int | None = None  # the same in milliseconds
         if place.sock is not None:
             self.address = "the inherited socket"
             self._socket = place.sock
@@ -124,23 +128,33 @@ class Link:
         self._queued += len(message)
         return self._queued > FLUSH_SIZE
 
-    def exchange(self, message: bytes) -> bytes:
-        """Sends a message behind the queue, and gives what comes next, without limits of time.
+    def exchange(self, message: bytes, timeout: float | None, what: Callable[[], str]) -> bytes:
+        """Sends a message behind the queue, and gives what comes next, in a piece as it comes.
 
-        Raises as `send` and `next` do.
+        The system keeps the limit of time, so that it need not be asked before whether there is
+        anything. Raises as `send` and `next` do; `what()` says for which answer it was too late.
         """
         if self._waits is not None:
             self._set_timeout(None)
+        if timeout != self._limit:
+            self._limit_time(timeout)
         queue = self._queue
         queue.append(message)
         data = b"".join(queue)
         queue.clear()
         self._queued = 0
+        sent = False
         try:
             self._socket.sendall(data)
-            if not self._tcp:
-                (self._readable or self._watch()).poll()
-            got = self._socket.recv(RECEIVE_SIZE)
+            sent = True
+            if self._tcp or (self._readable or self._watch()).poll(self._wait):
+                got = self._socket.recv(RECEIVE_SIZE)
+            else:
+                raise BlockingIOError
+        except BlockingIOError:
+            if sent:
+                self._give_up(Deadline(timeout, what))
+            self._refuse(timeout)
         except (BrokenPipeError, ConnectionResetError):
             got = self._receive(FOR_EVER, RECEIVE_SIZE)  # its last words
         except OSError as error:
@@ -148,6 +162,16 @@ class Link:
         if not got:
             self.end()
         return got
+
+    def _limit_time(self, seconds: float | None) -> None:
+        """Has the system keep a limit for whatever is sent or received without one of ours."""
+        self._limit = seconds
+        self._wait = None if seconds is None else math.ceil(max(seconds, LEAST_WAIT) * 1e3)
+        limit = 0.0 if seconds is None else max(seconds, LEAST_WAIT)
+        whole = int(limit)
+        value = struct.pack("ll", whole, int((limit - whole) * 1e6))
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, value)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, value)
 
     def _watch(self) -> select.poll:
         """What waits for data at a socket pair, and for nothing else.
@@ -196,6 +220,8 @@ class Link:
         return data
 
     def _set_timeout(self, seconds: float | None) -> None:
+        if self._limit is not None:
+            self._limit_time(None)
         if seconds != self._waits:
             self._socket.settimeout(seconds)
             self._waits = seconds
@@ -228,11 +254,15 @@ class Link:
         except TimeoutError as error:
             if error.errno is not None:
                 self._break(error)
-            self.ending = f"{self.address} took nothing of what was sent within {timeout:g} s"
-            raise PlayerTimeout(self.ending) from None
+            self._refuse(timeout)
         except OSError as error:
             self._break(error)
         return True
+
+    def _refuse(self, timeout: float | None) -> NoReturn:
+        """Nothing more is to be sent: half of a message may have gone out."""
+        self.ending = f"{self.address} took nothing of what was sent within {timeout or 0.0:g} s"
+        raise PlayerTimeout(self.ending) from None
 
     def end(self) -> NoReturn:
         """Notes that the server has closed, and raises PlayerDisconnected that says so."""

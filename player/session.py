@@ -87,7 +87,7 @@ class Session(Telling):
         events: list[Event] = []
         if self.broken:
             return events
-        if not self._reader.buffered and self._outbox.backlog <= BACKLOG_LIMIT:
+        if not self._reader.left and self._outbox.backlog <= BACKLOG_LIMIT:
             usual = self._usual.hear(data, events)
             if usual is not None:
                 if usual.asks and (asked := self._asked(usual.seq)):

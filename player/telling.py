@@ -26,7 +26,7 @@ from player.codes import (
 from player.directory import Datum, Directory
 from player.errors import XdrError
 from player.events import DataRequested, Request
-from player.header import HEADER, TIME, Message
+from player.header import HEADER, HEADER_SIZE, TIME, Message
 from player.outbox import Outbox
 from player.xdr import Values
 
@@ -36,7 +36,8 @@ BACKLOG_LIMIT = 1 << 20
 _PLAYER, _DATA, _CMD, _REQ, _ACK, _SYNCH, _NACK = (int(Interface.PLAYER), *map(int, MessageType))
 _PULL = DataMode.PULL
 _SERVED, _UNSERVED = DataRequested(served=True), DataRequested(served=False)
-_SYNCH_OK = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)
+ROUND_END = HEADER.pack(0, 0, _PLAYER, 0, _SYNCH, Synch.OK, 0.0, 0, 0)
+"""What ends a round in which nothing is missing."""
 
 
 class Telling:
@@ -188,31 +189,25 @@ class Telling:
 
         Of each device and subtype there is one at the most.
         """
-        piece = self.round_at_once(data, time)
-        if piece is not None:
-            self._outbox.say(piece)
-            return
         for addr, subtype, payload in data:
             self.publish(addr, subtype, payload, time)
         self.end_of_round()
 
-    def round_at_once(self, data: Sequence[Datum], time: float) -> bytes | None:
-        """The same as one piece, which is to be written before anything else.
+    def round_ready(self, piece: memoryview, messages: int) -> bytes | memoryview | None:
+        """What to write, before anything else, of a round that is encoded already.
 
-        Only if that is all the client waits for, and there is data; None otherwise: nothing has
-        changed then.
+        From its acknowledgement to its end, so many messages of data. Only if that is all the
+        client waits for; None otherwise: nothing has changed then.
         """
         outbox = self._outbox
-        if not self.waiting or self._open_round or not outbox.idle or len(data) > outbox.limit:
+        if not self.waiting or self._open_round or not outbox.idle or messages > outbox.limit:
             return None
-        parts = self.directory.tell(data, self.subscribed, time)
-        if not parts:
-            return None
+        self.waiting = False
         before = outbox.take()
         if self._held_ack:
-            before += self._data_ack()
-        self._held_ack = self.waiting = False
-        return b"".join((before, *parts, _SYNCH_OK))
+            self._held_ack = False
+            return before + piece if before else piece
+        return before + piece[HEADER_SIZE:]
 
     def keep_newest(self) -> None:
         """Data that waits is no more than the newest of each kind, unless the client has rules."""
@@ -240,7 +235,7 @@ class Telling:
             self._outbox.say(header + payload)
             self._outbox.dropped = 0
         else:
-            self._outbox.say(_SYNCH_OK)
+            self._outbox.say(ROUND_END)
         self.waiting = False
 
     def _release_ack(self) -> None:

@@ -14,8 +14,8 @@ from player.codes import DeviceAddr, Interface, MessageType, PlayerRequest
 from player.directory import Directory
 from player.errors import XdrError
 from player.events import Command, Event, Ignored
-from player.familiar import STEP, Familiar
-from player.header import Message
+from player.familiar import Familiar, Stretch
+from player.header import HEADER_SIZE, Message
 from player.xdr import Values
 
 LONGEST = 1 << 12
@@ -25,9 +25,9 @@ _PLAYER = int(Interface.PLAYER)
 _CMD, _REQ = int(MessageType.CMD), int(MessageType.REQ)
 _new = tuple.__new__  # a quarter of the time that the named tuple's own constructor takes
 
-CommandAt = tuple[DeviceAddr, int, str, Callable[[bytes], Values], int]
-"""To which device a command goes, its subtype and name, what reads its payload, and where among a
-piece's parts that is."""
+CommandAt = tuple[DeviceAddr, int, str, Callable[[bytes], Values], int, int]
+"""To which device a command goes, its subtype and name, what reads its payload, and where in the
+piece that begins and ends."""
 
 
 class Commands(NamedTuple):
@@ -57,27 +57,27 @@ class UsualCommands:
 
         It is the next time, if it is one of those that are to be remembered.
         """
-        found = self._familiar.match(data)
-        if found is None:
+        usual = self._familiar.match(data)
+        if usual is None:
             if data and len(data) <= self._longest:
                 self._familiar.learn(data)
             return None
-        usual, parts = found
         devices = self._directory.drivers
-        for addr, subtype, name, read, at in usual.commands:
+        for addr, subtype, name, read, at, end in usual.commands:
             if addr in devices:
-                events.append(_new(Command, (addr, subtype, read(parts[at]), name)))
+                events.append(_new(Command, (addr, subtype, read(data[at:end]), name)))
             else:
                 events.append(Ignored(f"there is no device {addr}"))
         return usual
 
 
-def read_commands(found: list[Message]) -> Commands | None:
+def read_commands(found: list[Message]) -> tuple[Commands, list[Stretch]] | None:
     """Commands of fixed size, and a request for data behind them or none."""
     last = found[-1]
     asks = last[2:6] == (_PLAYER, 0, _REQ, PlayerRequest.DATA)
     commands = []
-    for number, message in enumerate(found[:-1] if asks else found):
+    at = 0
+    for message in found[:-1] if asks else found:
         spec = messages.find(message.interf, _CMD, message.subtype)
         if message.type != _CMD or message.interf == _PLAYER or spec is None:
             return None
@@ -89,5 +89,8 @@ def read_commands(found: list[Message]) -> Commands | None:
         except XdrError:
             return None
         addr = DeviceAddr(message.interf, message.index)
-        commands.append((addr, spec.subtype, spec.name, read, STEP * number + STEP - 1))
-    return Commands(tuple(commands), asks, last.seq)
+        at += HEADER_SIZE
+        end = at + len(message.payload)
+        commands.append((addr, spec.subtype, spec.name, read, at, end))
+        at = end
+    return Commands(tuple(commands), asks, last.seq), [(0, len(m.payload)) for m in found]

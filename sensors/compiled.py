@@ -24,15 +24,17 @@ def state_of(package: Path) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def forget_stale_code(package: Path) -> None:
+def forget_stale_code(package: Path, *others: Path) -> None:
     """Remove the compiled kernels of a package folder if one of its sources has changed.
+
+    Or one of the `others`, folders from which its kernels take what becomes part of them.
 
     numba compiles a kernel anew when the kernel's own file has changed, but not when the file of
     a kernel that it calls has: that one would go on living inside of it. The mark is written
     before there is anything to forget, also where Python itself keeps no compiled code.
     """
     cache = package / "__pycache__"
-    digest = state_of(package)
+    digest = "\n".join(map(state_of, (package, *others)))
     mark = cache / MARK
     with suppress(OSError):  # a folder that we may not write: nothing is kept in it
         if mark.exists() and mark.read_text() == digest:

@@ -262,7 +262,7 @@ class Engine:
             self.open_doors()
         self.sensing.sense(self.ticks, time)
         self.switchboard.stamp(time)
-        for connection, error in self.switchboard.publish(time):
+        for connection, error in self.switchboard.publish(time, self.sensing.encodings.round):
             self.router.expel(connection, error)
         self.server.flush()
         self.crew.next_round()

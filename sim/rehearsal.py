@@ -58,8 +58,6 @@ def run_for_nobody(loaded: LoadedWorld, seed: int) -> None:
                 for sprayer in robot.sprayers:
                     sprayer.on = True
             engine.advance()
-            for robot in engine.robots:
-                for device in robot.port.devices.values():
-                    list(device.publish())
+            engine.switchboard.rehearse(engine.sensing.encodings.round)
     finally:
         engine.crew.dismiss()

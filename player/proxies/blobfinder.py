@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 from player import layouts
 from player.codes import Interface
 from player.errors import PlayerRefused, PlayerTimeout, XdrError
+from player.familiar import Stretch
 from player.proxies.base import Proxy, reading
 from player.table import Blob as WireBlob
 
-_HEAD = layouts.data(Interface.BLOBFINDER).head
-_BLOB = layouts.data(Interface.BLOBFINDER).records
+_BLOBS = layouts.data(Interface.BLOBFINDER)
+_HEAD, _BLOB = _BLOBS.head, _BLOBS.records
 _new = tuple.__new__  # a quarter of the time that the named tuple's own constructor takes
 
 GET_DOUBLE_PROPERTY = 252
@@ -55,23 +56,34 @@ class Blob(WireBlob):
         return (0.5 - 0.5 * (self.left + self.right) / (width - 1)) * fov if width > 1 else 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), tuple(self))  # its camera is a connection, and stays here
+        return (Blob, tuple(self))  # its camera is a connection, and stays here
 
 
 class BlobfinderProxy(Proxy):
     """Player's blobfinder. Pixels: x grows to the robot's right, y downward."""
 
     interface = Interface.BLOBFINDER
+    varying = ("blobs",)
+    _kind: type[Blob] | None = None
 
     def _make_blobs(self) -> list[Blob] | None:
-        if self._payload is None:
+        place = self._place
+        if place is not None:
+            rows = self.rounds.data[place.begin + _HEAD.size : place.end]
+        elif self._rows is None:
             return None
-        blobs = [_new(Blob, row) for row in _BLOB.iter_unpack(self._payload[_HEAD.size :])]
-        if blobs:
-            image = _new(Image, (self, self.width))
-            for blob in blobs:
-                blob.image = image
-        return blobs
+        else:
+            rows = self._rows
+        kind = self._kind
+        if kind is None or kind.image is None or kind.image.width != self.width:
+            kind = self._find_kind()
+        return [_new(kind, row) for row in _BLOB.iter_unpack(rows)]
+
+    def _find_kind(self) -> type[Blob]:
+        """Blobs of this camera and its present image: what they share stands in their class."""
+        found: type[Blob] = type("Blob", (Blob,), {"image": Image(self, self.width)})
+        self._kind = found
+        return found
 
     blobs: list[Blob] = reading(_make_blobs)
     """Blobs in sight; `color` is 0xRRGGBB, `range` metres, `bearing` radians."""
@@ -80,7 +92,7 @@ class BlobfinderProxy(Proxy):
     height: int = reading()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self._payload: bytes | None = None
+        self._rows: bytes | None = None
         self._fov: float | None = None
         self._fov_asked = False
         super().__init__(*args, **kwargs)
@@ -107,6 +119,11 @@ class BlobfinderProxy(Proxy):
         self._fov = radians
         self._fov_asked = True
 
+    def alike(self, subtype: int, payload: bytes) -> Stretch | None:
+        """As many blobs in an image of that size."""
+        fits = subtype == 1 and _BLOBS.count(payload) is not None
+        return (_HEAD.size, len(payload)) if fits else None
+
     def decode(self, subtype: int, payload: bytes) -> None:
         """BLOBS; see Proxy."""
         if subtype != 1:
@@ -117,7 +134,7 @@ class BlobfinderProxy(Proxy):
         width, height, n, again = _HEAD.unpack_from(payload)
         if n != again or size != _HEAD.size + n * _BLOB.size:
             raise XdrError(f"{self.addr}: {n} blobs do not fit {size} bytes")
-        self.width, self.height, self._payload = width, height, payload
+        self.width, self.height, self._rows = width, height, payload[_HEAD.size :]
         self.__dict__.pop("blobs", None)
 
     def set_tracking_color(

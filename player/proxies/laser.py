@@ -11,7 +11,9 @@ import numpy.typing as npt
 from player import layouts
 from player.codes import Interface
 from player.errors import XdrError
+from player.familiar import Stretch
 from player.proxies.base import Geometry, Proxy, geometry, reading
+from player.usual_rounds import Place
 from player.xdr import Pose2d
 
 Floats = npt.NDArray[np.float64]
@@ -38,8 +40,16 @@ class LaserProxy(Proxy):
     """Player's laser. Arrays are new at each reading: what you kept does not change."""
 
     interface = Interface.LASER
+    varying = ("ranges",)
 
-    ranges: Floats = reading()
+    def _make_ranges(self) -> Floats | None:
+        place, like = self._place, self._like
+        if place is None or like is None:
+            return None
+        begin = place.begin + _START
+        return np.frombuffer(self.rounds.data, _HEAD.element, like[2], begin).astype(np.float64)
+
+    ranges: Floats = reading(_make_ranges)
     """Metres, shape (n,), from the right to the left."""
     intensity: npt.NDArray[np.uint8] = reading()
     """Shape (n,), or (0,) if the laser has none."""
@@ -95,6 +105,36 @@ class LaserProxy(Proxy):
             self._bearings = np.linspace(*fan)
             self._rays = np.stack((np.cos(self._bearings), np.sin(self._bearings)), axis=1)
 
+    def alike(self, subtype: int, payload: bytes) -> Stretch | None:
+        """Any scan with as many rays, and all else the same."""
+        if subtype != _SCAN:
+            return None
+        try:
+            n, *_ = self._places(payload, _ID.numbers)
+        except XdrError:
+            return None
+        return _START, _START + n * _EACH
+
+    def lie(self, place: Place, kept: bool) -> None:
+        """See Proxy."""
+        super().lie(place, kept)
+        if not kept:
+            self._like = None
+
+    def _places(self, payload: bytes, tail: struct.Struct) -> tuple[int, int, int, int]:
+        """How many ranges a scan has, where its intensities begin, how many, and what is behind."""
+        try:
+            *_, n, again = _HEAD.numbers.unpack_from(payload)
+            end = _START + n * _EACH
+            m, m_again = _MARKS.numbers.unpack_from(payload, end)
+        except struct.error:
+            raise XdrError(f"{self.addr}: {len(payload)} bytes are no scan") from None
+        marks = end + _MARKS.numbers.size
+        rest = marks + m + (-m % 4)
+        if n != again or m != m_again or len(payload) != rest + tail.size:
+            raise XdrError(f"{self.addr}: the scan's counts ({n}, {m}) do not fit its size")
+        return n, marks, m, rest
+
     def decode(self, subtype: int, payload: bytes) -> None:
         """SCAN, SCANPOSE and SCANANGLE; see Proxy."""
         if self._like is not None and subtype == _SCAN:
@@ -107,23 +147,15 @@ class LaserProxy(Proxy):
         if tail is None:
             self._decode_angles(subtype, payload)
             return
-        try:
-            *angles, n, again = _HEAD.numbers.unpack_from(payload)
-            end = _START + n * _EACH
-            m, m_again = _MARKS.numbers.unpack_from(payload, end)
-            marks = end + _MARKS.numbers.size
-            rest = marks + m + (-m % 4)
-            if n != again or m != m_again or len(payload) != rest + tail.size:
-                raise XdrError(f"{self.addr}: the scan's counts ({n}, {m}) do not fit its size")
-        except struct.error:
-            raise XdrError(f"{self.addr}: {len(payload)} bytes are no scan") from None
+        n, marks, m, rest = self._places(payload, tail)
+        *angles, _, _ = _HEAD.numbers.unpack_from(payload)
         self.id, *pose = tail.unpack_from(payload, rest)
         self.min_angle, self.max_angle, self.resolution, self.max_range = angles
         self.ranges = np.frombuffer(payload, _HEAD.element, n, _START).astype(np.float64)
         self.intensity = np.frombuffer(payload, _MARKS.element, m, marks)
         self.robot_pose = Pose2d(*pose) if pose else None
         if subtype == _SCAN:
-            self._like = (payload[:_START], payload[end:], n)
+            self._like = (payload[:_START], payload[marks - _MARKS.numbers.size :], n)
 
     def _decode_angles(self, subtype: int, payload: bytes) -> None:
         values = self._table(subtype, payload)

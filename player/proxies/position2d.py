@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import struct
 from math import isfinite
+from typing import Any
 
 from player import layouts
 from player.codes import Interface, MessageType
 from player.errors import XdrError
+from player.familiar import Stretch
+from player.header import HEADER
 from player.proxies.base import Geometry, Proxy, geometry, reading
 from player.xdr import Pose2d
 
 _STATE = layouts.data(Interface.POSITION2D).head
-_VELOCITY_SIZE = layouts.command(Interface.POSITION2D).head.size
-_VELOCITY = layouts.command(Interface.POSITION2D).framed
+_VELOCITY = layouts.command(Interface.POSITION2D).head
 _CMD = int(MessageType.CMD)
 
 
@@ -21,6 +23,7 @@ class Position2dProxy(Proxy):
     """Player's position2d. Poses are odometry, in the robot's own start frame unless it has GPS."""
 
     interface = Interface.POSITION2D
+    varying = ("x", "y", "yaw", "vx", "vy", "vyaw", "stall")
 
     x: float = reading()
     """Odometry, metres."""
@@ -36,10 +39,18 @@ class Position2dProxy(Proxy):
     stall: bool = reading()
     """True while something blocks the drive."""
 
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._velocity = HEADER.pack(0, 0, *self.addr, _CMD, 1, 0.0, 0, _VELOCITY.size)
+
     @property
     def pose(self) -> Pose2d:
         """x, y, yaw together."""
         return Pose2d(self.x, self.y, self.yaw)
+
+    def alike(self, subtype: int, payload: bytes) -> Stretch | None:
+        """Any state of the right size."""
+        return (0, _STATE.size) if subtype == 1 and len(payload) == _STATE.size else None
 
     def decode(self, subtype: int, payload: bytes) -> None:
         """STATE; see Proxy."""
@@ -58,10 +69,8 @@ class Position2dProxy(Proxy):
 
         Raises XdrError, a ValueError, for what is no finite number.
         """
-        interf, index = self.addr
-        header = (0, 0, interf, index, _CMD, 1, 0.0, 0, _VELOCITY_SIZE)
         try:
-            message = _VELOCITY.pack(*header, vx, vy, vyaw, 1)
+            message = self._velocity + _VELOCITY.pack(vx, vy, vyaw, 1)
         except (struct.error, OverflowError) as error:
             raise XdrError(f"set_speed takes m/s and rad/s: {error}") from None
         if not (isfinite(vx) and isfinite(vyaw) and isfinite(vy)):

@@ -16,6 +16,7 @@ from player.codes import Interface
 from sensors.readings import Blobs
 from sim.devices.device import Context, Refused, Values
 from sim.devices.encoding import Encodings
+from sim.devices.rounds import Standing
 from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
@@ -61,6 +62,11 @@ class Blobfinder(SensorDevice):
         colors: tuple[int, ...] = getattr(self.group.settings, "colors", ())
         self.channels = {number: exactly(color) for number, color in enumerate(colors)}
         self.told = False
+
+    def standing(self) -> Standing | None:
+        """All blobs, unless a client has chosen their colours."""
+        plain = not self.told
+        return Standing(1, self.encoder("blobs"), self.row) if plain else None
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         if not self.told:

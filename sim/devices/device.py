@@ -3,6 +3,9 @@
 Rules: reading is free at any time between two ticks. Every change goes through `Context.later`, so
 that it is made robot by robot in the engine's order, and not in that of the messages' arrival.
 What a device keeps for its own clients (how a scan is cut, what was just set) is no change.
+
+A device whose data are a message of a batch may say so: `standing()` is a `rounds.Standing`, or
+None as long as it encodes its own. That may change only in a request.
 """
 
 from __future__ import annotations
@@ -74,10 +77,6 @@ class Context:
         command wins: what a client sends while the world waits does not pile up.
         """
         self.put_off(robot, action, action if key is None else key)
-
-    def drive_later(self, robot: Robot, twist: Twist, key: Hashable) -> None:
-        """As `later` with a key, of an action that is `drive` with this velocity."""
-        self.put_off(robot, twist, key)
 
     def put_off(self, robot: Robot, action: Action | Twist, key: Hashable) -> None:
         """Note what is to be done, or how the robot is to be driven, at the next command phase."""

@@ -6,7 +6,7 @@ gets it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -17,16 +17,18 @@ from player import layouts
 from player.codes import Interface
 from sensors.readings import BLOB, Blobs, Elements, Intensities, Scans
 from sensors.suite import Group
-from sim.devices.kernels import blob_words, write_ranges
+from sim.devices.batch import Batch
+from sim.devices.kernels import write_blobs, write_ranges
 
 STATE = layouts.data(Interface.POSITION2D)
 SCAN = layouts.data(Interface.LASER)
 RANGES, INTENSITIES = layouts.data(Interface.RANGER, 1), layouts.data(Interface.RANGER, 3)
 SONAR = layouts.data(Interface.SONAR)
 BLOBS = layouts.data(Interface.BLOBFINDER)
+NOTHING = Batch(np.zeros(0, np.uint32), np.zeros(1, np.int64))
 
 
-Encode = Callable[[Group], Sequence[bytes]]
+Encode = Callable[[Group], Batch]
 """Encodes a group's wanted rows: a message each."""
 
 
@@ -37,19 +39,27 @@ class GroupEncoder:
         self.group = group
         self.encode = encode
         self.round = -1
-        self.messages: Sequence[bytes] = ()
+        self.messages: Batch = NOTHING
         self.rows: NDArray[Any] = np.zeros(0, np.int64)
         self.places: dict[int, int] = {}  # of rows among those that are wanted
 
-    def payload(self, row: int, round: int) -> bytes:
-        """The message of one row of the group."""
+    def batch(self, round: int) -> Batch:
+        """The messages of all that are wanted."""
         if round != self.round:
             self.messages = self.encode(self.group)
             if self.rows is not self.group.rows:
                 self.rows = self.group.rows  # another array where they are others: see Suite
                 self.places = {row: k for k, row in enumerate(self.rows.tolist())}
             self.round = round
-        return self.messages[self.places[row]]
+        return self.messages
+
+    def place(self, row: int) -> int:
+        """Which of them is that of one row of the group."""
+        return self.places[row]
+
+    def payload(self, row: int, round: int) -> bytes:
+        """The message of one row of the group."""
+        return self.batch(round)[self.places[row]]
 
 
 class StateEncoder:
@@ -57,9 +67,8 @@ class StateEncoder:
 
     def __init__(self) -> None:
         self.rows = STATE.rows(0)
-        self.size = self.rows.itemsize
-        self.data: bytes | None = b""
-        self.told: tuple[NDArray[Any], ...] = ()
+        self.messages: Batch = NOTHING
+        self.told: tuple[NDArray[Any], ...] | None = None
 
     def update(
         self,
@@ -69,19 +78,30 @@ class StateEncoder:
     ) -> None:
         """Take odometry poses (n, 3), velocities in the robots' frames (n, 3), stalls (n,)."""
         self.told = poses.copy(), velocities.copy(), stalls.copy()  # as they are now
-        self.data = None
 
-    def payload(self, robot: int) -> bytes:
-        """Robot's message."""
-        if self.data is None:
+    def batch(self, round: int) -> Batch:
+        """The messages of all robots."""
+        if self.told is not None:
             poses, velocities, stalls = self.told
             if len(self.rows) != len(poses):
                 self.rows = STATE.rows(len(poses))
+                self.messages = Batch.of_rows(self.rows)
             self.rows["pos"] = poses
             self.rows["vel"] = velocities
             self.rows["stall"] = stalls
-            self.data = self.rows.tobytes()
-        return self.data[robot * self.size : (robot + 1) * self.size]
+            self.told = None
+        return self.messages
+
+    def place(self, robot: int) -> int:
+        """Which of them is a robot's."""
+        return robot
+
+    def payload(self, robot: int) -> bytes:
+        """Robot's message."""
+        return self.batch(0)[robot]
+
+
+Encoder = GroupEncoder | StateEncoder
 
 
 class Encodings:
@@ -105,34 +125,56 @@ class ScanRows:
     """laser SCAN (subtype 1) of a group's rows: they lie ready, and their ranges are written."""
 
     def __init__(self) -> None:
-        self.rows = SCAN.rows(0, ranges=0, intensity=0)
+        self.messages = NOTHING
         self.words = np.zeros((0, 0), np.uint32)
         self.farthest = 0.0
 
-    def __call__(self, group: Group) -> Sequence[bytes]:
+    def __call__(self, group: Group) -> Batch:
         scans: Any = group.readings
-        if len(self.rows) != len(group.rows):
+        if len(self.messages) != len(group.rows):
             self.make(len(group.rows), scans)
         ranges = np.ascontiguousarray(scans.ranges, np.float64)  # of a sensor of one's own
         hits = np.ascontiguousarray(scans.hits, np.int32)
         write_ranges(ranges, hits, group.rows, self.farthest, self.words, SCAN.head.size // 4)
-        return pieces(self.rows)
+        return self.messages
 
     def make(self, number: int, scans: Any) -> None:
         """All that never changes."""
-        self.rows = rows = SCAN.rows(number, ranges=scans.ranges.shape[1], intensity=0)
+        rows = SCAN.rows(number, ranges=scans.ranges.shape[1], intensity=0)
         rows["min_angle"] = -scans.fov / 2
         rows["max_angle"] = scans.fov / 2
         rows["resolution"] = scans.resolution
         rows["max_range"] = scans.max_range
-        self.words = rows.view(np.uint32).reshape(number, rows.itemsize // 4)
+        self.messages = Batch.of_rows(rows)
+        self.words = self.messages.words.reshape(number, rows.itemsize // 4)
         self.farthest = last_before(scans.max_range, "f4")
 
 
-def pieces(rows: NDArray[Any]) -> list[bytes]:
-    """Each row's bytes."""
-    size, data = rows.itemsize, rows.tobytes()
-    return [data[start : start + size] for start in range(0, len(data), size)]
+class BlobRows:
+    """blobfinder BLOBS (subtype 1) of a group's rows."""
+
+    def __init__(self) -> None:
+        self.messages = NOTHING
+
+    def __call__(self, group: Group) -> Batch:
+        readings = group.readings
+        assert isinstance(readings, Blobs)
+        blobs = np.ascontiguousarray(readings.blobs, BLOB)
+        counts = np.ascontiguousarray(readings.counts, np.int64)
+        size = readings.width, readings.height
+        messages = self.messages
+        if len(messages) != len(group.rows):
+            messages = self.make(len(group.rows), len(messages.words))
+        needed = write_blobs(blobs, counts, group.rows, *size, messages.words, messages.starts)
+        if needed > len(messages.words):
+            messages = self.make(len(group.rows), 2 * needed)
+            write_blobs(blobs, counts, group.rows, *size, messages.words, messages.starts)
+        return messages
+
+    def make(self, number: int, words: int) -> Batch:
+        """Room for so many messages of so many words in all."""
+        self.messages = Batch(np.zeros(words, np.uint32), np.zeros(number + 1, np.int64))
+        return self.messages
 
 
 def wanted(group: Group, array: NDArray[Any]) -> NDArray[Any]:
@@ -170,11 +212,11 @@ def plain(form: layouts.Form, values: Callable[[Group], NDArray[np.float64]]) ->
     """Encodes messages of one array and nothing else: a row of values each."""
     [name] = form.arrays
 
-    def encode(group: Group) -> Sequence[bytes]:
+    def encode(group: Group) -> Batch:
         found = values(group)
         rows = form.rows(len(found), **{name: found.shape[1]})
         rows[name] = found
-        return pieces(rows)
+        return Batch.of_rows(rows)
 
     return encode
 
@@ -205,26 +247,10 @@ def sonar(group: Group) -> NDArray[np.float64]:
     return wanted(group, group.readings.ranges)
 
 
-def encode_blobs(group: Group) -> Sequence[bytes]:
-    """blobfinder BLOBS (subtype 1)."""
-    readings = group.readings
-    assert isinstance(readings, Blobs)
-    blobs = np.ascontiguousarray(readings.blobs, BLOB)
-    counts = np.ascontiguousarray(readings.counts, np.int64)
-    data = blob_words(blobs, counts, group.rows).tobytes()
-    head, size = BLOBS.head, BLOBS.element.itemsize
-    messages, start = [], 0
-    for count in wanted(group, counts).tolist():
-        end = start + count * size
-        messages.append(head.pack(readings.width, readings.height, count, count) + data[start:end])
-        start = end
-    return messages
-
-
 ENCODERS: dict[str, Callable[[], Encode]] = {
     "scans": ScanRows,
     "ranges": lambda: plain(RANGES, ranges),
     "intensities": lambda: plain(INTENSITIES, intensities),
     "sonar": lambda: plain(SONAR, sonar),
-    "blobs": lambda: encode_blobs,
+    "blobs": BlobRows,
 }

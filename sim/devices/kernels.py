@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.devices.compiled import compiled
+from sim.stage.intrinsics import ints_at, longs_at
 
 Words = NDArray[np.uint32]
 SWAPS = sys.byteorder == "little"
@@ -51,29 +52,105 @@ def write_ranges(
 
 
 @compiled
-def blob_words(blobs: NDArray[Any], counts: NDArray[np.int64], rows: NDArray[np.int64]) -> Words:
-    """The blobs of rows (m,), one after the other: ten words each, the last one the range."""
-    total = 0
+def write_blobs(
+    blobs: NDArray[Any],
+    counts: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    width: int,
+    height: int,
+    words: Words,
+    starts: NDArray[np.int64],
+) -> int:
+    """Write the blobs of rows (m,) as messages, one after the other: ten words each blob.
+
+    `starts` (m + 1,): where each begins. The number of words that are needed: with more than there
+    are, nothing is written.
+    """
+    at = 0
     for m in range(rows.size):
-        total += counts[rows[m]]
-    words = np.empty((total, 10), np.uint32)
+        starts[m] = at
+        at += 4 + 10 * counts[rows[m]]
+    starts[rows.size] = at
+    if at > words.size:
+        return at
     one = np.empty(1, np.float32)
     bits = one.view(np.uint32)
     at = 0
     for m in range(rows.size):
         k = rows[m]
+        words[at] = swapped(width)
+        words[at + 1] = swapped(height)
+        words[at + 2] = words[at + 3] = swapped(counts[k])
+        at += 4
         for j in range(counts[k]):
             blob = blobs[k, j]
-            words[at, 0] = swapped(blob.id)
-            words[at, 1] = swapped(blob.color)
-            words[at, 2] = swapped(blob.area)
-            words[at, 3] = swapped(blob.x)
-            words[at, 4] = swapped(blob.y)
-            words[at, 5] = swapped(blob.left)
-            words[at, 6] = swapped(blob.right)
-            words[at, 7] = swapped(blob.top)
-            words[at, 8] = swapped(blob.bottom)
+            words[at] = swapped(blob.id)
+            words[at + 1] = swapped(blob.color)
+            words[at + 2] = swapped(blob.area)
+            words[at + 3] = swapped(blob.x)
+            words[at + 4] = swapped(blob.y)
+            words[at + 5] = swapped(blob.left)
+            words[at + 6] = swapped(blob.right)
+            words[at + 7] = swapped(blob.top)
+            words[at + 8] = swapped(blob.bottom)
             one[0] = blob.range
-            words[at, 9] = swapped(bits[0])
-            at += 1
-    return words
+            words[at + 9] = swapped(bits[0])
+            at += 10
+    return at
+
+
+@compiled
+def write_rounds(
+    tables: NDArray[np.uint64],
+    sources: NDArray[np.int64],
+    places: NDArray[np.int64],
+    heads: Words,
+    firsts: NDArray[np.int64],
+    acks: Words,
+    end: Words,
+    stamp: Words,
+    words: Words,
+    ends: NDArray[np.int64],
+) -> int:
+    """Write rounds (p,): an acknowledgement each, messages, and what ends a round.
+
+    Message m is the payload `places[m]` of the batch whose addresses are `tables[sources[m]]`,
+    behind a header `heads[m]` of ten words; those of round k begin with `firsts[k]`. All but the
+    end of a round get the time `stamp` (2,). `ends`: where each round ends. The number of words
+    that are needed: with more than there are, nothing is written.
+    """
+    at = 0
+    for k in range(firsts.size - 1):
+        at += 20
+        for m in range(firsts[k], firsts[k + 1]):
+            starts = longs_at(tables[sources[m], 1])
+            at += 10 + starts[places[m] + 1] - starts[places[m]]
+        ends[k] = at
+    if at > words.size:
+        return at
+    at = 0
+    for k in range(firsts.size - 1):
+        at = write_head(acks[k], stamp, words, at)
+        for m in range(firsts[k], firsts[k + 1]):
+            payload = ints_at(tables[sources[m], 0])
+            starts = longs_at(tables[sources[m], 1])
+            first, last = starts[places[m]], starts[places[m] + 1]
+            at = write_head(heads[m], stamp, words, at)
+            words[at - 1] = swapped(4 * (last - first))
+            for i in range(first, last):
+                words[at] = np.uint32(payload[i])
+                at += 1
+        for i in range(10):
+            words[at + i] = end[i]
+        at += 10
+    return at
+
+
+@compiled
+def write_head(head: Words, stamp: Words, words: Words, at: int) -> int:
+    """Write a header with its time; where it ends."""
+    for i in range(10):
+        words[at + i] = head[i]
+    words[at + 6] = stamp[0]
+    words[at + 7] = stamp[1]
+    return at + 10

@@ -13,6 +13,7 @@ from player.codes import Interface
 from sensors.readings import Scans
 from sim.devices.device import Context, Refused, Values, finite, flat_pose
 from sim.devices.encoding import Encodings, told
+from sim.devices.rounds import Standing
 from sim.devices.sensor import SensorDevice
 from sim.robot import Robot
 
@@ -65,6 +66,11 @@ class Laser(SensorDevice):
         readings = self.group.readings  # another object after a robot has entered
         assert isinstance(readings, Scans)
         return readings
+
+    def standing(self) -> Standing | None:
+        """Whole scans, unless a client has configured them."""
+        plain = self.cut is self.whole and not self.with_pose
+        return Standing(SCAN, self.encoder("scans"), self.row) if plain else None
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         scan = self.payload("scans") if self.cut is self.whole else self.encode()

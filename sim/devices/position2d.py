@@ -21,6 +21,7 @@ from sim.devices.device import (
     scaled,
 )
 from sim.devices.encoding import Encodings
+from sim.devices.rounds import Standing
 from sim.robot import Robot
 from sim.stage.geometry import extent, size_of
 
@@ -67,6 +68,10 @@ class Position2d:
         else:
             self.obeys |= {"position": self.go_to, "velocity_heading": self.head}
 
+    def standing(self) -> Standing:
+        """What it always tells."""
+        return Standing(1, self.states, self.robot.index)
+
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ((1, self.states.payload(self.robot.index)),)
 
@@ -75,7 +80,7 @@ class Position2d:
         if name == "velocity":
             (vx, vy, wz), most = values["vel"], FARTHEST
             if most >= vx >= -most and most >= vy >= -most and most >= wz >= -most:
-                self.context.drive_later(self.robot, (vx, vy, wz), DRIVE)
+                self.context.put_off(self.robot, (vx, vy, wz), DRIVE)
                 return
         obey = self.obeys.get(name)
         if obey is None:

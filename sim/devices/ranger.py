@@ -9,6 +9,7 @@ from player.codes import Interface
 from sensors.readings import Elements, Intensities, Scans
 from sim.devices.device import Context, Refused, Values, flat_pose
 from sim.devices.encoding import Encodings
+from sim.devices.rounds import Standing
 from sim.devices.sensor import SENSOR_SIZE, SensorDevice
 from sim.robot import Robot
 
@@ -25,6 +26,12 @@ class Ranger(SensorDevice):
     def __init__(self, context: Context, encodings: Encodings, robot: Robot, sensor: int) -> None:
         super().__init__(context, encodings, robot, sensor)
         self.with_intensities = isinstance(self.group.readings, Intensities)
+
+    def standing(self) -> Standing | None:
+        """Ranges alone, unless a client has asked for intensities."""
+        if self.with_intensities:
+            return None
+        return Standing(1, self.encoder("ranges"), self.row)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         yield 1, self.payload("ranges")

@@ -45,12 +45,16 @@ class SensorDevice:
         length, width = settings.housing
         return (width, length, SENSOR_SIZE[2])
 
-    def payload(self, message: str) -> bytes:
-        """This tick's reading as one of the messages that are encoded in batches."""
+    def encoder(self, message: str) -> GroupEncoder:
+        """What encodes one of the messages that are encoded in batches."""
         encoder = self.encoders.get(message)
         if encoder is None:
             encoder = self.encoders[message] = self.encodings.encoder(self.group, message)
-        return encoder.payload(self.row, self.encodings.round)
+        return encoder
+
+    def payload(self, message: str) -> bytes:
+        """This tick's reading as such a message."""
+        return self.encoder(message).payload(self.row, self.encodings.round)
 
     def command(self, name: str, values: Values) -> None:
         """There are no commands."""

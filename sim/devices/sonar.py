@@ -9,6 +9,7 @@ from player import DeviceAddr
 from player.codes import Interface
 from sensors.readings import Elements
 from sim.devices.device import Refused, Values, flat_pose
+from sim.devices.rounds import Standing
 from sim.devices.sensor import SensorDevice
 
 
@@ -16,6 +17,10 @@ class Sonar(SensorDevice):
     """A ring of elements on Player's old sonar interface."""
 
     addr = DeviceAddr(Interface.SONAR, 0)
+
+    def standing(self) -> Standing:
+        """What it always tells."""
+        return Standing(1, self.encoder("sonar"), self.row)
 
     def publish(self) -> Iterable[tuple[int, bytes]]:
         return ((1, self.payload("sonar")),)

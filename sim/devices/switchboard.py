@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 from player import messages
 from player.codes import DeviceAddr, MessageType
@@ -11,6 +12,7 @@ from player.directory import Datum, Directory
 from player.events import Command, Request
 from player.server import Connection
 from sim.devices.device import Context, Device, Refused
+from sim.devices.rounds import Rounds
 from sim.robot import Robot
 
 
@@ -49,6 +51,8 @@ class Switchboard:
         self.connections: dict[Connection, dict[Device, DeviceAddr]] = {}
         """What each has subscribed, and at which address."""
         self.changed = True  # what is wanted has changed since `wanted` was last read
+        self.rounds = Rounds()
+        self.stale = True  # who is told what may have changed since `rounds` were planned
         self.paused_by: Connection | None = None
         """Who has stopped the clock."""
 
@@ -70,19 +74,20 @@ class Switchboard:
     def reach(self, *ports: Port | None) -> None:
         """Clients can come to these ports from now on."""
         self.reached.update(dict.fromkeys(port for port in ports if port is not None))
+        self.stale = True
 
     def subscribe(self, connection: Connection, addr: DeviceAddr) -> Device:
         """A connection gets a device's data from now on."""
         device = self.port(connection).devices[addr]
         self.connections.setdefault(connection, {})[device] = addr
-        self.changed = True
+        self.changed = self.stale = True
         return device
 
     def unsubscribe(self, connection: Connection, addr: DeviceAddr) -> Device:
         """A connection does not get a device's data any more."""
         device = self.port(connection).devices[addr]
         self.connections.get(connection, {}).pop(device, None)
-        self.changed = True
+        self.changed = self.stale = True
         return device
 
     def addresses(self, connection: Connection, robot: Robot) -> list[DeviceAddr]:
@@ -97,7 +102,7 @@ class Switchboard:
         """
         self.connections.pop(connection, None)
         self.complained.pop(connection, None)
-        self.changed = True
+        self.changed = self.stale = True
         if self.paused_by is connection:
             self.context.paused = False
             self.paused_by = None
@@ -132,6 +137,7 @@ class Switchboard:
                 reply = None
             else:
                 reply = device.request(event.name, event.message)
+                self.stale |= self.rounds.changed(device)
         except Refused:
             connection.session.refuse(event)
             return
@@ -154,14 +160,18 @@ class Switchboard:
         """The devices that somebody has subscribed."""
         return list(dict.fromkeys(device for have in self.connections.values() for device in have))
 
-    def publish(self, time: float) -> list[tuple[Connection, Exception]]:
+    def publish(self, time: float, round: int) -> list[tuple[Connection, Exception]]:
         """Hand one tick's data to every session that has subscribed it, and let it go out.
 
         One connection after the other: the first client can work while the others are served.
-        Whose data could not be made is given back, with the reason.
+        Whose data could not be made is given back, with the reason. `round`: of perceiving.
         """
         failed = []
+        ready = self.ready_rounds(time, round)
         for connection, devices in self.connections.items():
+            piece = ready.get(connection)
+            if piece is not None and connection.take_round(piece, len(devices)):
+                continue
             data: list[Datum] = []
             try:
                 for device, addr in devices.items():
@@ -171,6 +181,30 @@ class Switchboard:
                 failed.append((connection, error))
             connection.publish_round(data, time)
         return failed
+
+    def ready_rounds(self, time: float, round: int) -> Mapping[Connection, memoryview]:
+        """The rounds that are written together; none where something in them cannot be made."""
+        try:
+            if not self.stale:
+                ready = self.rounds.write(time, round)
+                if ready is not None:
+                    return ready
+            clients = ((c, c.session.directory, have) for c, have in self.connections.items())
+            self.rounds.plan(clients, round)
+            self.stale = False
+            return self.rounds.write(time, round) or {}
+        except Exception:
+            self.stale = True
+            return {}  # whose data it is comes out where each is served alone
+
+    def rehearse(self, round: int) -> None:
+        """Write rounds for nobody, so that what is compiled for them is ready."""
+        nobody: Any = None
+        rounds = Rounds()
+        for port in self.ports.values():
+            devices = {device: addr for addr, device in port.devices.items()}
+            rounds.plan([(nobody, port.directory, devices)], round)
+        rounds.write(self.context.time, round)
 
     def show_again(self, connection: Connection, time: float) -> None:
         """Hand one client this tick's data once more; raises what a device of its raises."""

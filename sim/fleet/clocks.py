@@ -59,12 +59,16 @@ class Clocks:
     def has_asked(self, driver: Driver) -> None:
         """The world need not wait for this controller, this time."""
         driver.asked = True
-        self.unasked.pop(driver.robot, None)
+        if self.unasked:
+            self.unasked.pop(driver.robot, None)
         self.behind.pop(driver.robot, None)
 
     def asked(self, connection: Connection) -> None:
         """A connection waits for data."""
-        for driver in self.driven.get(connection, {}).values():
+        drives = self.driven.get(connection)
+        if drives is None:
+            return
+        for driver in drives.values():
             if connection in driver.readers:
                 if self.sleeping is not None:
                     self.sleeping.asked(driver)

@@ -74,3 +74,4 @@ def _at(number: Any) -> Any:
 floats_at = _at(types.float64)
 words_at = _at(types.uintp)
 ints_at = _at(types.int32)
+longs_at = _at(types.int64)

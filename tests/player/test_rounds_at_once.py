@@ -9,12 +9,14 @@ from wire_talk import (
     DATA,
     GET_DATA,
     LASER,
+    PLAYER,
     POSITION2D,
     PULL,
     SYNCH,
     data_mode,
     hear,
     open_device,
+    say,
 )
 
 from player.codes import BANNER_SIZE, DeviceAddr
@@ -90,3 +92,36 @@ def test_a_client_that_has_gone_costs_nothing_but_its_connection(talk):
     assert any(isinstance(event, Disconnected) for event in heard)
     connection.publish_round(round_of(8), 2.0)
     assert not connection.is_open
+
+
+def test_a_round_that_is_encoded_already_may_change_when_it_has_been_taken(talk):
+    """The next tick's is written where this one was, however little the socket has taken."""
+    server, connection, client = talk
+    connection._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 12)
+    size = 1 << 18
+    said = say(PLAYER, 0, ACK, GET_DATA) + say(*SCANNER, DATA, 1, b"x" * size)
+    piece = bytearray(said + say(PLAYER, 0, SYNCH, 1))
+    assert connection.take_round(memoryview(piece), 1)
+    piece[:] = bytes(len(piece))
+    messages, rest = read(server, client, OTHERS + 3)
+    assert rest == b""
+    assert [(got.type, got.subtype) for got in messages[OTHERS:]] == [
+        (ACK, GET_DATA),
+        (DATA, 1),
+        (SYNCH, 1),
+    ]
+    assert messages[-2].payload == b"x" * size
+    assert not connection.session.waiting
+
+
+def test_a_round_that_is_encoded_already_is_for_those_who_wait_for_it_alone(talk):
+    _, connection, _ = talk
+    piece = memoryview(say(PLAYER, 0, ACK, GET_DATA) + say(PLAYER, 0, SYNCH, 1))
+    session = connection.session
+    assert session.round_ready(piece, 1 << 20) is None  # more than it keeps
+    session.publish(BASE, 1, b"pose", 1.0)
+    assert not connection.take_round(piece, 1)
+    session.end_of_round()
+    assert not connection.take_round(piece, 1)  # it has been served
+    connection.close()
+    assert not connection.take_round(piece, 1)

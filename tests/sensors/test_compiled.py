@@ -35,6 +35,21 @@ def test_compiled_code_is_forgotten_when_any_source_of_the_package_changes(tmp_p
     assert not (cache / "one.nbi").exists()
 
 
+def test_compiled_code_is_forgotten_when_a_folder_that_it_draws_upon_changes(tmp_path):
+    package, other = tmp_path / "package", tmp_path / "other"
+    for folder in (package, other):
+        folder.mkdir()
+        (folder / "one.py").write_text("x = 1")
+    forget_stale_code(package, other)
+    index = package / "__pycache__" / "one.nbi"
+    index.write_text("index")
+    forget_stale_code(package, other)
+    assert index.exists()
+    (other / "one.py").write_text("x = 12")
+    forget_stale_code(package, other)
+    assert not index.exists()
+
+
 def test_the_cache_of_a_first_run_is_kept_where_python_itself_makes_no_cache(tmp_path):
     """As under PYTHONDONTWRITEBYTECODE: numba makes the folder after we have looked for it."""
     (tmp_path / "one.py").write_text("x = 1")
