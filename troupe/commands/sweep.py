@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -25,8 +26,9 @@ def sweep(
     worlds: Annotated[
         list[str],
         typer.Argument(
-            metavar="WORLD...|SWEEP.yaml|collect DIR...",
-            help="World files, names of Troupe's, or a file that describes a sweep.",
+            metavar="WORLD...|FILE.py:FUNCTION|SWEEP.yaml|collect DIR...",
+            help="World files, names of Troupe's, functions of parameters and a seed (also "
+            "MODULE:FUNCTION), or a file that describes a sweep.",
         ),
     ],
     out: Annotated[
@@ -113,6 +115,14 @@ def sweep(
             show_default="of none",
         ),
     ] = None,
+    log_of: Annotated[
+        str | None,
+        typer.Option(
+            metavar="failed|first|N",
+            help="Keep logs of these runs, in DIR/logs.",
+            show_default="of none",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
     """Run every combination of worlds, settings and seeds that the folder lacks.
@@ -135,7 +145,8 @@ def sweep(
             if out is None:
                 raise UsageError("--out: name the sweep's folder, as --out results")
             how = checked(jobs, shard, timeout, retry_failed, dask, quiet)
-            code = run_sweep(worlds, out, seeds, set_, table, duration, each, judge, video_of, how)
+            again = {"video": video_of, "log": log_of}
+            code = run_sweep(worlds, out, seeds, set_, table, duration, each, judge, again, how)
     except (UsageError, Unusable) as error:
         tell(str(error))
     except Changed as error:
@@ -195,21 +206,20 @@ def run_sweep(
     duration: float | None,
     each: list[str] | None,
     judge: list[str] | None,
-    video_of: str | None,
+    again: Mapping[str, str | None],
     how: How,
 ) -> int:
-    """Plan, run, collect, make videos; the exit code."""
+    """Plan, run, collect, make videos and logs; the exit code."""
     from troupe.sweep.asked import asked_plan  # noqa: PLC0415
+    from troupe.sweep.recordings import check_words, chosen, record_again  # noqa: PLC0415
     from troupe.sweep.session import sweep as carry_out  # noqa: PLC0415
     from troupe.sweep.versions import versions  # noqa: PLC0415
-    from troupe.sweep.videos import chosen, make_videos, number_of  # noqa: PLC0415
     from troupe.warm import tell as say  # noqa: PLC0415
     from troupe.warm import warm_once  # noqa: PLC0415
 
     if duration is not None and not 0 < duration < 1e15:
         raise UsageError(f"--duration {duration:g}: must be above 0")
-    if video_of is not None:
-        number_of(video_of)
+    recorded = {kind: which for kind, which in again.items() if which is not None}
     warm_once(say)
     plan = asked_plan(
         worlds,
@@ -225,6 +235,7 @@ def run_sweep(
             "versions": versions(),
         },
     )
+    check_words(plan, recorded)
     interrupts = Interrupts(again=leave)
     interrupts.hold()
     stopped = lambda: interrupts.noted  # noqa: E731 - asked for by several
@@ -232,12 +243,12 @@ def run_sweep(
         session = carry_out(plan, out, how, stopped)
         if not interrupts.noted and how.shard == (1, 1):
             finish(out)
-        if video_of is not None and not interrupts.noted:
-            made, failed = make_videos(
-                chosen(plan, out, video_of), out, how.jobs, how.timeout, stopped
-            )
-            print(f"{len(made)} videos are in {out / 'videos'}")
-            tell("\n".join(failed))
+        for kind, which in recorded.items():
+            if not interrupts.noted:
+                runs = chosen(plan, out, kind, which)
+                made, failed = record_again(kind, runs, out, how.jobs, how.timeout, stopped)
+                print(f"{len(made)} {kind}s are in {out / f'{kind}s'}")
+                tell("\n".join(failed))
     finally:
         interrupts.release()
     print(summary(session, plan, out))

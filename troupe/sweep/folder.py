@@ -34,7 +34,7 @@ SEALED_AFTER = 10_000
 """Lines of a batch."""
 
 FLUSH = 1.0
-"""Wall-clock seconds of work that a kill may cost a batch."""
+"""Wall-clock seconds that a record may wait for the disk, and seconds of work that may wait."""
 
 MANIFEST = {"format": 1, "what": "a sweep of troupe; see docs/sweeps.md"}
 
@@ -177,6 +177,7 @@ class Keeper:
         self.number = 0
         self.digest = hashlib.sha256()
         self.synced = 0.0
+        self.waiting = 0.0  # seconds of work that are not on the disk
         self.batches = batches
         (folder / ("batches" if batches else "runs")).mkdir(exist_ok=True)
 
@@ -198,9 +199,10 @@ class Keeper:
         self.batch.write(data)
         self.number += 1
         self.digest.update(data)
+        self.waiting += record.get("seconds") or 0.0
         if self.number >= SEALED_AFTER:
             self.close()
-        elif time.monotonic() - self.synced > FLUSH:
+        elif self.waiting > FLUSH or time.monotonic() - self.synced > FLUSH:
             self.sync()
 
     def sync(self) -> None:
@@ -208,7 +210,7 @@ class Keeper:
         if self.batch is not None:
             self.batch.flush()
             os.fsync(self.batch.fileno())
-        self.synced = time.monotonic()
+        self.synced, self.waiting = time.monotonic(), 0.0
 
     def close(self) -> None:
         """Seal the batch: its last line says how many there are before it, and their SHA-256."""

@@ -13,6 +13,7 @@ from sim.build import LoadedWorld, load
 from sim.worldfile import WorldError
 from sim.worldfile.mistakes import MOST_TOLD, Mistake
 from troupe.sweep.fingerprint import Fingerprint, fingerprint
+from troupe.sweep.functions import Function, arguments, function_mark, is_function
 from troupe.sweep.results import Judge
 from troupe.sweep.seeds import parse_seeds, written
 from troupe.sweep.spec import Combination
@@ -28,11 +29,16 @@ class Point:
 
     hash: str
     world: str  # as it was asked for
-    path: str  # absolute
+    path: str  # absolute: the world's file, or the folder that a function is called in
     settings: Mapping[str, Any]
-    duration: float
+    duration: float | None  # simulated seconds; a function has none
     seeds: tuple[int, ...]
     judges: tuple[Judge, ...] = ()
+
+    @property
+    def function(self) -> Function | None:
+        """The function that is run in a world's place, if it is one."""
+        return Function(self.world, self.path) if self.duration is None else None
 
 
 @dataclass(frozen=True)
@@ -160,31 +166,65 @@ def make_plan(
     """
     points: dict[str, Point] = {}
     found: dict[str, list[Combination]] = {}  # a mistake's text: where it is
-    paths: dict[str, str] = {}
     for one in asked:
         try:
-            path = find_world(one.world)
-            if not path.is_file():
-                what = "a sweep reads its worlds many times: it must be a file"
-                raise WorldError([Mistake((), what, file=one.world)])
-            paths[one.world] = str(path.resolve())
-            loaded, mark, most = load_point(path, as_settings(one.settings), duration, judges)
+            check = function_point if is_function(one.world) else world_point
+            point = check(one, duration, judges)
         except WorldError as error:
             for mistake in error.mistakes:
                 found.setdefault(text_of(mistake), []).append(one)
             continue
-        seeds = (loaded.world.seed,) if one.seeds is None else one.seeds
-        known = points.get(mark.hash)
-        points[mark.hash] = (
-            Point(mark.hash, one.world, str(path.resolve()), one.settings, most, seeds, judges)
-            if known is None
-            else replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *seeds))))
-        )
+        known = points.get(point.hash)
+        if known is not None:
+            point = replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *point.seeds))))
+        points[point.hash] = point
     if found:
         texts = [told(text, at, len(asked)) for text, at in found.items()]
         more = [f"... and {len(texts) - MOST_TOLD} more mistakes"] * (len(texts) > MOST_TOLD)
         raise UsageError("\n".join([*texts[:MOST_TOLD], *more]))
+    paths = {point.world: point.path for point in points.values()}
     return Plan(tuple(points.values()), {**about, "paths": paths})
+
+
+def world_point(
+    asked: Combination, duration: float | None, judges: tuple[Judge, ...] = ()
+) -> Point:
+    """A world with settings, checked; raises WorldError."""
+    path = find_world(asked.world)
+    if not path.is_file():
+        what = "a sweep reads its worlds many times: it must be a file"
+        raise WorldError([Mistake((), what, file=asked.world)])
+    loaded, mark, most = load_point(path, as_settings(asked.settings), duration, judges)
+    seeds = (loaded.world.seed,) if asked.seeds is None else asked.seeds
+    place = str(path.resolve())
+    return Point(mark.hash, asked.world, place, asked.settings, most, seeds, judges)
+
+
+def function_point(
+    asked: Combination, duration: float | None, judges: tuple[Judge, ...] = ()
+) -> Point:
+    """A function with parameters, checked; raises WorldError."""
+    folder = str(Path.cwd())
+    function = Function(asked.world, folder)
+    mistakes = []
+    if duration is not None:
+        what = "a function has no simulated time of ours"
+        instead = "its own parameter, as --set duration=60"
+        mistakes.append(Mistake((), what, None, instead, "--duration"))
+    if judges:
+        what = "a function's run has no ticks to be judged; let it return what is to be told"
+        mistakes.append(Mistake((), what, file=str(judges[0])))
+    try:
+        arguments(function, asked.settings)
+        mark = function_mark(function, asked.settings)
+    except UsageError as error:
+        mistakes.append(Mistake((), str(error)))
+    except WorldError as error:
+        mistakes += error.mistakes
+    if mistakes:
+        raise WorldError(mistakes)
+    seeds = (0,) if asked.seeds is None else asked.seeds
+    return Point(mark.hash, asked.world, folder, asked.settings, None, seeds)
 
 
 def text_of(mistake: Mistake) -> str:

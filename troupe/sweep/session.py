@@ -14,8 +14,11 @@ from troupe.sweep.pool import Record, Task, run_all
 from troupe.sweep.progress import Progress
 from troupe.sweep.task import task_of
 
-SAME_AGAIN = ("completed", "time_limit")
-"""Outcomes that would come again: simulated time does not depend on the machine."""
+FAILED = (
+    "controller_failed", "timeout", "crashed", "out_of_memory", "world_error", "error",
+)  # fmt: skip
+"""Outcomes that may be others another time. Simulated time does not depend on the machine, and what
+a function calls its outcome it would call so again."""
 
 
 class Changed(Exception):
@@ -62,11 +65,12 @@ def sweep(plan: Plan, folder: Path, how: How, stop: Callable[[], bool] = lambda:
     for run in plan.runs(how.shard):
         session.asked += 1
         outcome, tries = known.get(run.name, ("", 0))
-        if not outcome or (how.retry_failed and outcome not in SAME_AGAIN):
+        if not outcome or (how.retry_failed and outcome in FAILED):
             todo.append((run, tries))
         else:
             session.known[outcome] += 1
-    keeper = Keeper(folder, batches=plan.size >= MANY)
+    short = any(point.function is not None for point in plan.points)
+    keeper = Keeper(folder, batches=short or plan.size >= MANY)
     progress = Progress(len(todo), how.quiet)
 
     def tasks() -> Iterator[Task]:

@@ -10,6 +10,7 @@ from typing import Any
 from sim.worldfile import nodes
 from sim.worldfile.mistakes import Mistake
 from sim.worldfile.reader import Unreadable, read_text
+from troupe.sweep.functions import is_function
 from troupe.sweep.samplers import Sampler, draw, multiplied
 from troupe.sweep.seeds import Unusable
 
@@ -86,13 +87,14 @@ def combinations(spec: Spec) -> list[Combination]:
     if number > MOST:
         raise Unusable(Mistake((), f"{number} combinations are too many", None, f"{MOST}"))
     columns = dict.fromkeys(key for row in rows for key in row.settings)
+    worlds = [world for world in (*spec.worlds, *(row.world for row in rows)) if world]
+    no_parameters = {"seed": "--seeds, or a column `seed`"}
+    if not worlds or not all(map(is_function, worlds)):
+        no_parameters["duration"] = "--duration"
     mistakes = [
-        Mistake((key,), f"{what}; use {instead}", file=file)
+        Mistake((key,), f"is no parameter of a sweep; use {instead}", file=file)
         for file, keys in (("--set", spec.parameters), ("--table", columns))
-        for key, what, instead in (
-            ("seed", "is no parameter of a sweep", "--seeds, or a column `seed`"),
-            ("duration", "is no parameter of a sweep", "--duration"),
-        )
+        for key, instead in no_parameters.items()
         if key in keys
     ]
     both = [key for key in columns if key in spec.parameters]

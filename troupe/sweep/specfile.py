@@ -14,6 +14,7 @@ from sim.worldfile.mistakes import Mistake, suggestion
 from sim.worldfile.nodes import MappingNode
 from sim.worldfile.reader import Unreadable, read_text
 from sim.worldfile.reading import NotRead, read_regular
+from troupe.sweep.functions import is_function
 from troupe.sweep.samplers import ALLOWED, Sampler, sampler_of
 from troupe.sweep.seeds import Unusable, parse_seeds
 from troupe.sweep.spec import Row
@@ -74,7 +75,8 @@ def read_sweep_file(path: Path) -> FromFile:
         notes.append(Mistake(where, what, None, allowed, *mark))
 
     def beside(name: str) -> str:
-        return str(path.parent / name) if (path.parent / name).exists() else name
+        file = name.rpartition(":")[0] if is_function(name) else name
+        return str(path.parent / name) if (path.parent / file).exists() else name
 
     data = nodes.plain(root)
     for key, value in data.items():

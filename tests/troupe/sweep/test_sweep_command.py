@@ -12,7 +12,9 @@ import pytest
 from tests.patience import PATIENCE
 from tests.processes import ROOT, all_gone, environment, troupe_command
 from tests.troupe.sweep.sweeping import driven_world, quiet_world, troupe
+from troupe.log import Log as read_log
 from troupe.sweep.asked import asked_plan
+from troupe.sweep.collect import gather
 
 
 def test_shards_of_their_own_folders_are_put_together(tmp_path: Path) -> None:
@@ -107,6 +109,18 @@ def test_videos_are_made_of_chosen_runs(tmp_path: Path) -> None:
     (video,) = (out / "videos").iterdir()
     assert video.name.endswith("-s3.mp4")
     assert video.stat().st_size > 1000
+
+
+def test_logs_are_kept_of_chosen_runs(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = ("--seeds", "3:6", "--set", "clock.interval=0.1,0.05", "--out", out)
+    done = troupe("sweep", quiet_world(tmp_path), *words, "--log-of", "first")
+    assert done.returncode == 0, done.stderr
+    assert "2 logs are in" in done.stdout
+    found = {read_log(path).result["digest"] for path in (out / "logs").iterdir()}
+    rows = gather([out]).results
+    assert found == {row["digest"] for row in rows if row["seed"] == 3}
+    assert len(found) == 2
 
 
 def test_the_sweep_file_in_the_documents_is_in_order(tmp_path: Path) -> None:
