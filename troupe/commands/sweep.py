@@ -24,13 +24,14 @@ if TYPE_CHECKING:
 def sweep(
     context: typer.Context,
     worlds: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="WORLD...|FILE.py:FUNCTION|SWEEP.yaml|collect DIR...",
             help="World files, names of Troupe's, functions of parameters and a seed (also "
             "MODULE:FUNCTION), or a file that describes a sweep.",
+            show_default="those of --table",
         ),
-    ],
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -138,15 +139,16 @@ def sweep(
 
     code = 2
     try:
-        if worlds[0] == "collect":
+        named = worlds or []
+        if named[:1] == ["collect"]:
             refuse_all_but(context, {"worlds", "out", "each"})
-            code = collect(worlds[1:], out, each or [])
+            code = collect(named[1:], out, each or [])
         else:
             if out is None:
                 raise UsageError("--out: name the sweep's folder, as --out results")
             how = checked(jobs, shard, timeout, retry_failed, dask, quiet)
             again = {"video": video_of, "log": log_of}
-            code = run_sweep(worlds, out, seeds, set_, table, duration, each, judge, again, how)
+            code = run_sweep(named, out, seeds, set_, table, duration, each, judge, again, how)
     except (UsageError, Unusable) as error:
         tell(str(error))
     except Changed as error:

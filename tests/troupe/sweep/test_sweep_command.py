@@ -39,6 +39,15 @@ def test_shards_of_their_own_folders_are_put_together(tmp_path: Path) -> None:
         assert found[0] == found[1]
 
 
+def test_a_table_may_name_the_worlds(tmp_path: Path) -> None:
+    (tmp_path / "rows.csv").write_text(f"world,seed\n{quiet_world(tmp_path)},0:2\n")
+    done = troupe("sweep", "--table", tmp_path / "rows.csv", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "2 runs of 1 combinations" in done.stdout
+    done = troupe("sweep", "--out", tmp_path / "none")
+    assert (done.returncode, "there is no world to run" in done.stderr) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
