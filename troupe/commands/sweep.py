@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 from collections.abc import Mapping
@@ -133,8 +132,8 @@ def sweep(
     of the table); 1: some are missing; 2: bad usage or a mistake in any combination; 130:
     interrupted.
     """
+    from troupe.sweep.options import how_of  # noqa: PLC0415
     from troupe.sweep.pool import Broken  # noqa: PLC0415 - `troupe --help` stays quick
-    from troupe.sweep.seeds import Unusable  # noqa: PLC0415
     from troupe.sweep.session import Changed  # noqa: PLC0415
 
     code = 2
@@ -144,12 +143,12 @@ def sweep(
             refuse_all_but(context, {"worlds", "out", "each"})
             code = collect(named[1:], out, each or [])
         else:
-            if out is None:
-                raise UsageError("--out: name the sweep's folder, as --out results")
-            how = checked(jobs, shard, timeout, retry_failed, dask, quiet)
+            mistakes = ["--out: name the sweep's folder, as --out results"] * (out is None)
+            how = how_of(jobs, shard, timeout, retry_failed, dask, quiet, mistakes)
             again = {"video": video_of, "log": log_of}
-            code = run_sweep(named, out, seeds, set_, table, duration, each, judge, again, how)
-    except (UsageError, Unusable) as error:
+            asked = (named, seeds, set_, table, duration, each, judge, again)
+            code = run_sweep(*asked, out or Path(), how, mistakes)
+    except UsageError as error:
         tell(str(error))
     except Changed as error:
         tell(f"{error} since the sweep began; run it again")
@@ -168,40 +167,8 @@ def tell(text: str) -> None:
         print(printable_lines(text), file=sys.stderr)
 
 
-def checked(
-    jobs: int | None,
-    shard: str | None,
-    timeout: float | None,
-    retry_failed: bool,
-    dask: str | None,
-    quiet: bool,
-) -> How:
-    """The options on how to run; raises UsageError."""
-    from troupe.sweep.session import How  # noqa: PLC0415
-
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: must be 1 or more")
-    if timeout is not None and not 0 < timeout < 1e9:
-        raise UsageError(f"--timeout {timeout:g}: must be above 0")
-    part = (1, 1)
-    if shard is not None:
-        first, _, number = shard.partition("/")
-        if not (first.isdecimal() and number.isdecimal() and 1 <= int(first) <= int(number)):
-            raise UsageError(f"--shard {shard}: must be I/N, from 1/N to N/N")
-        part = (int(first), int(number))
-    return How(jobs or cores(), part, timeout, retry_failed, dask, quiet)
-
-
-def cores() -> int:
-    """The processor cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 def run_sweep(
     worlds: list[str],
-    out: Path,
     seeds: str | None,
     settings: list[str] | None,
     table: Path | None,
@@ -209,18 +176,18 @@ def run_sweep(
     each: list[str] | None,
     judge: list[str] | None,
     again: Mapping[str, str | None],
+    out: Path,
     how: How,
+    mistakes: list[str],
 ) -> int:
-    """Plan, run, collect, make videos and logs; the exit code."""
+    """Plan, run, collect, make videos and logs; the exit code. `mistakes`: those so far."""
     from troupe.sweep.asked import asked_plan  # noqa: PLC0415
-    from troupe.sweep.recordings import check_words, chosen, record_again  # noqa: PLC0415
+    from troupe.sweep.recordings import chosen, record_again  # noqa: PLC0415
     from troupe.sweep.session import sweep as carry_out  # noqa: PLC0415
     from troupe.sweep.versions import versions  # noqa: PLC0415
     from troupe.warm import tell as say  # noqa: PLC0415
     from troupe.warm import warm_once  # noqa: PLC0415
 
-    if duration is not None and not 0 < duration < 1e15:
-        raise UsageError(f"--duration {duration:g}: must be above 0")
     recorded = {kind: which for kind, which in again.items() if which is not None}
     warm_once(say)
     plan = asked_plan(
@@ -231,13 +198,14 @@ def run_sweep(
         duration=duration,
         each=each or [],
         judge=judge or [],
+        recorded=recorded,
         about={
             "command": shlex.join(["troupe", *sys.argv[1:]]),
             "folder": str(Path.cwd()),
             "versions": versions(),
         },
+        mistakes=mistakes,
     )
-    check_words(plan, recorded)
     interrupts = Interrupts(again=leave)
     interrupts.hold()
     stopped = lambda: interrupts.noted  # noqa: E731 - asked for by several

@@ -172,7 +172,7 @@ def make_plan(
             point = check(one, duration, judges)
         except WorldError as error:
             for mistake in error.mistakes:
-                found.setdefault(text_of(mistake), []).append(one)
+                found.setdefault(text_of(mistake, one), []).append(one)
             continue
         known = points.get(point.hash)
         if known is not None:
@@ -227,10 +227,19 @@ def function_point(
     return Point(mark.hash, asked.world, folder, asked.settings, None, seeds)
 
 
-def text_of(mistake: Mistake) -> str:
-    """A mistake as a line, which is the same for all values of a setting if it is about the key."""
-    if mistake.file is not None and mistake.file.startswith("--set "):
-        return str(replace(mistake, file=mistake.file.partition("=")[0]))
+def text_of(mistake: Mistake, asked: Combination) -> str:
+    """A mistake as a line, at the place where the setting was given.
+
+    It is the same for all values of a setting if it is about the key.
+    """
+    file = mistake.file or ""
+    if file.startswith("--set "):
+        option, _, _ = file.partition("=")
+        place = asked.places.get(option.removeprefix("--set "))
+        if place is None:
+            return str(replace(mistake, file=option))
+        line = place.line if mistake.given is not None or place.column is not None else None
+        return str(replace(mistake, file=place.file, line=line, column=place.column))
     return str(mistake)
 
 

@@ -18,17 +18,25 @@ ENDINGS = {"video": ".mp4", "log": ".mcap"}
 ALLOWED = "failed, first (of each combination), or a number of runs"
 
 
-def check_words(plan: Plan, asked: Mapping[str, str]) -> None:
+def check_words(plan: Plan | None, asked: Mapping[str, str]) -> None:
     """Raises UsageError for a word that says nothing, and for functions, which have neither.
 
-    `asked`: of which runs there is to be a "video" or a "log".
+    `asked`: of which runs there is to be a "video" or a "log". Of a plan that has mistakes, None,
+    no more than the words is known.
     """
+    mistakes = []
+    points = () if plan is None else plan.points
+    functions = [point.world for point in points if point.function is not None]
     for kind, which in asked.items():
-        number_of(kind, which)
-        functions = [point.world for point in plan.points if point.function is not None]
+        try:
+            number_of(kind, which)
+        except UsageError as error:
+            mistakes.append(str(error))
         if functions:
             what = f"there is no {kind} of a function's run, as of {functions[0]}"
-            raise UsageError(f"--{kind}-of: {what}")
+            mistakes.append(f"--{kind}-of: {what}")
+    if mistakes:
+        raise UsageError("\n".join(mistakes))
 
 
 def chosen(plan: Plan, folder: Path, kind: str, which: str) -> list[Run]:

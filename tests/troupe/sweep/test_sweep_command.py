@@ -73,6 +73,33 @@ def test_bad_usage_is_told_before_anything_is_run(
     assert not (tmp_path / "out").exists()
 
 
+def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
+    words = ("--seeds", "x", "--set", "foo", "--set", "clock.interval=-1", "--jobs", "0",
+             "--shard", "3/2", "--timeout", "0", "--each", "nowhere:f", "--judge", "nobody:g",
+             "--video-of", "some", "--log-of", "0", "--duration", "-1")  # fmt: skip
+    done = troupe("sweep", quiet_world(tmp_path), "wandr", *words)
+    assert done.returncode == 2
+    for said in ("--out", "--seeds", "foo", "clock.interval", "--jobs", "--shard", "--timeout",
+                 "nowhere", "nobody", "--video-of", "--log-of", "--duration",
+                 "mean wander"):  # fmt: skip
+        assert said in done.stderr
+
+
+def test_a_mistake_is_told_where_the_setting_stands(tmp_path: Path) -> None:
+    world = quiet_world(tmp_path)
+    table, file = tmp_path / "rows.csv", tmp_path / "sweep.yaml"
+    table.write_text("robots.0.count,foo\n1,\nx,\n2,3\n")
+    file.write_text(f"worlds: {world}\nparameters:\n  clock.intervall: 0.1\n  duration: 3\n")
+    done = troupe("sweep", world, "--table", table, "--out", tmp_path / "out")
+    assert f"{table}:3: robots.0.count: must be a whole number (given: x)" in done.stderr
+    assert f"{table}: foo: unknown key" in done.stderr
+    done = troupe("sweep", file, "--out", tmp_path / "out")
+    assert f"{file}:4:3: duration: is no parameter of a sweep" in done.stderr
+    file.write_text(file.read_text().replace("  duration: 3\n", ""))
+    done = troupe("sweep", file, "--out", tmp_path / "out")
+    assert f"{file}:3:3: clock.intervall: unknown key" in done.stderr
+
+
 def test_an_option_that_means_nothing_to_collect_is_a_mistake(tmp_path: Path) -> None:
     done = troupe("sweep", "collect", tmp_path, "--jobs", "2")
     assert done.returncode == 2
