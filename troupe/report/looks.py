@@ -111,7 +111,7 @@ def picture_of(point: Point, row: Row, taken: float) -> tuple[bytes | None, str]
                 point.path,
                 seed=row["seed"],
                 duration=point.duration,
-                settings=settings,
+                settings=[*settings, "player.port=null", "log=null"],
                 picture=path,
                 say=lambda line: None,
             )

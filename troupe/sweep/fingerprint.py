@@ -63,6 +63,9 @@ def fingerprint(loaded: LoadedWorld, duration: float, judges: Sequence[Judge] = 
         Path(name).resolve() for name in sources_of(loaded.root) if Path(name).is_file()
     }
     data = rebased(nodes.plain(loaded.root), loaded.root, loaded.folder)
+    if isinstance(data.get("controllers"), Mapping):  # what drives nobody changes no result
+        used = drivers(loaded)
+        data["controllers"] = {k: v for k, v in data["controllers"].items() if k in used}
     for key in NO_MATTER:
         data.pop(key, None)
     told: dict[str, Any] = {
@@ -74,6 +77,13 @@ def fingerprint(loaded: LoadedWorld, duration: float, judges: Sequence[Judge] = 
         told["judges"] = [[one.name, judge_digest(one, loaded.folder, files)] for one in judges]
     stamps = tuple(stamp(path) for path in sorted(files))
     return Fingerprint(hash_of(told), stamps)
+
+
+def drivers(loaded: LoadedWorld) -> set[str]:
+    """The names of the controllers that drive somebody."""
+    named = {robot.controller for robot in loaded.robots}
+    named |= {door.controller for door in loaded.layout.doors}
+    return {name for name in named if name is not None}
 
 
 def judge_digest(judge: Judge, folder: Path, files: set[Path]) -> str:

@@ -92,9 +92,10 @@ def sync_folder(folder: Path) -> None:
 
 def sweep_up(folder: Path) -> None:
     """Remove what processes of this machine that are gone have left half-written."""
-    places = [folder, folder / "plans", *(folder / "runs").glob("*/")]
-    for path in (path for place in places for path in place.glob(f"*.{platform.node()}-*.tmp")):
-        number = path.name.removesuffix(".tmp").rpartition("-")[2]
+    own = [folder / name for name in ("plans", "videos", "logs")]
+    places = [folder, *own, *(folder / "runs").glob("*/")]
+    for path in (path for place in places for path in place.glob(f"*.{platform.node()}-*.tmp*")):
+        number = path.name.partition(".tmp")[0].rpartition("-")[2]
         with contextlib.suppress(OSError, ValueError):
             if not is_alive(int(number)):
                 path.unlink()

@@ -12,7 +12,7 @@ from typing import Any
 from sim.build import LoadedWorld, load
 from sim.worldfile import WorldError
 from sim.worldfile.mistakes import MOST_TOLD, Mistake
-from troupe.sweep.fingerprint import Fingerprint, fingerprint
+from troupe.sweep.fingerprint import Fingerprint, drivers, fingerprint
 from troupe.sweep.functions import Function, arguments, function_mark, is_function
 from troupe.sweep.results import Judge
 from troupe.sweep.seeds import parse_seeds, written
@@ -145,13 +145,6 @@ def load_point(
         raise WorldError(mistakes)
     most = loaded.world.duration if duration is None else duration
     return loaded, fingerprint(loaded, most, judges), most
-
-
-def drivers(loaded: LoadedWorld) -> set[str]:
-    """The names of the controllers that drive somebody."""
-    named = {robot.controller for robot in loaded.robots}
-    named |= {door.controller for door in loaded.layout.doors}
-    return {name for name in named if name is not None}
 
 
 def make_plan(

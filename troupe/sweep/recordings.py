@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
 from pathlib import Path
 
-from troupe.sweep.folder import done
+from troupe.sweep.folder import done, sweep_up
 from troupe.sweep.plan import Plan, Run
 from troupe.sweep.pool import Task, run_all
 from troupe.sweep.task import task_of
@@ -78,9 +78,11 @@ def record_again(
                 yield {**task_of(run), kind: str(files[run.name])}
 
     failed = []
+    sweep_up(folder)
     for record in run_all(tasks(), jobs, timeout, stop):
         path = files[record["name"]]
         if not path.exists():
             why = record.get("stale") or record.get("reason") or f"the {kind} cannot be written"
             failed.append(f"{path}: {why}")
+    sweep_up(folder)  # what was ended for its time has left half of it
     return [path for path in files.values() if path.exists()], failed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import platform
 import time
 import traceback
 from collections import OrderedDict, deque
@@ -158,13 +159,14 @@ def record_again(task: Mapping[str, Any], said: deque[str]) -> Result:
     from troupe.running import run_file  # noqa: PLC0415 - the encoder, which few runs need
 
     path = Path(task.get("video") or task["log"])
-    aside = path.with_name(f"{path.stem}.{os.getpid()}.tmp{path.suffix}")
+    aside = path.with_name(f"{path.stem}.{platform.node()}-{os.getpid()}.tmp{path.suffix}")
+    others = ["player.port=null", *(["log=null"] if "log" not in task else [])]
     try:
         done = run_file(
             task["path"],
             seed=task["seed"],
             duration=task["duration"],
-            settings=[*as_settings(task["settings"]), "player.port=null"],
+            settings=[*as_settings(task["settings"]), *others],
             video=aside if "video" in task else None,
             log=aside if "log" in task else None,
             say=said.append,

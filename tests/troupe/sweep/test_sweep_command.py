@@ -159,6 +159,15 @@ def test_logs_are_kept_of_chosen_runs(tmp_path: Path) -> None:
     assert len(found) == 2
 
 
+def test_nothing_is_left_of_a_log_that_took_too_long(tmp_path: Path) -> None:
+    endless = "import time\nfrom player import PlayerClient\nPlayerClient()\ntime.sleep(1e6)\n"
+    world, out = driven_world(tmp_path, endless), tmp_path / "out"
+    done = troupe("sweep", world, "--out", out, "--timeout", "0.5", "--log-of", "failed")
+    assert done.returncode == 0
+    assert "took longer than 0.5 s" in done.stderr
+    assert list((out / "logs").iterdir()) == []
+
+
 def test_the_sweep_file_in_the_documents_is_in_order(tmp_path: Path) -> None:
     text = (ROOT / "docs" / "sweeps.md").read_text()
     (block,) = re.findall(r"^```\n(# sweep\.yaml.*?)^```", text, re.MULTILINE | re.DOTALL)
