@@ -136,10 +136,9 @@ def lines(folder: Path) -> Iterator[Line]:
     runs = folder / "runs"
     with contextlib.suppress(FileNotFoundError), os.scandir(runs) as entries:
         for entry in entries:
-            with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-                line = read_line((runs / entry.name / "result.json").read_bytes())
-                if line is not None and line.name == entry.name:
-                    yield line
+            line = line_of_run(folder, entry.name)
+            if line is not None:
+                yield line
     for path in sorted((folder / "batches").glob("*")):
         if path.suffix in (".jsonl", ".part"):
             with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
@@ -147,6 +146,15 @@ def lines(folder: Path) -> Iterator[Line]:
                     line = read_line(data)
                     if line is not None:
                         yield line
+
+
+def line_of_run(folder: Path, name: str) -> Line | None:
+    """The line of a run that has a file of its own, if that is whole."""
+    try:
+        line = read_line((folder / "runs" / name / "result.json").read_bytes())
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    return line if line is not None and line.name == name else None
 
 
 def records(folders: Iterable[Path]) -> dict[str, Line]:

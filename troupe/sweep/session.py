@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from troupe.sweep.cluster import run_on_cluster
-from troupe.sweep.folder import MANY, Keeper, done, open_folder, save_plan, sweep_up
+from troupe.sweep.folder import MANY, Keeper, done, line_of_run, open_folder, save_plan, sweep_up
 from troupe.sweep.plan import Plan, Run
 from troupe.sweep.pool import Record, Task, run_all
 from troupe.sweep.progress import Progress
@@ -75,8 +75,9 @@ def sweep(plan: Plan, folder: Path, how: How, stop: Callable[[], bool] = lambda:
 
     def tasks() -> Iterator[Task]:
         for run, tries in todo:
-            if tries == 0 and (folder / "runs" / run.name / "result.json").exists():
-                session.known["meanwhile"] += 1  # by another sweep into this folder
+            other = line_of_run(folder, run.name) if tries == 0 else None
+            if other is not None:  # by another sweep into this folder, meanwhile
+                session.known[other.outcome] += 1
             else:
                 yield task_of(run, tries + 1)
 
