@@ -1,15 +1,13 @@
-"""Dispersal on the grid as a function of parameters and a seed: a run of a sweep.
-
-troupe sweep troupe.grid:disperse --set region=flat,"rooms 24" --set rule=fcdfs,bflf --seeds 0:20
-"""
+"""Dispersal on the grid as a function of parameters and a seed, which a sweep can run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
+from pydantic import AfterValidator, Field
 
 from controllers.dispersal.rules import RULES
 from gridworld.grid import simulate
@@ -19,25 +17,33 @@ from gridworld.regions import Cell, Region, RegionError, load
 from troupe.maps import find_map
 from troupe.usage import UsageError
 
+
+def known(text: str) -> str:
+    """A region's text as it is; raises ValueError where there is none."""
+    region_of(text, 0)
+    return text
+
+
 if TYPE_CHECKING:
     Rule = str
 else:
     Rule = Literal[tuple(RULES)]
+RegionText = Annotated[str, AfterValidator(known)]
 
 
 def disperse(
     seed: int,
-    region: str,
+    region: RegionText,
     *,
     door: str | None = None,
-    doors: int | None = None,
+    doors: Annotated[int, Field(ge=1)] | None = None,
     rule: Rule = "fcdfs",
-    q: float = 0.0,
+    q: Annotated[float, Field(ge=0, lt=1)] = 0.0,
     conflict: Literal["stop", "stay"] = "stop",
     force: bool = False,
-    max_steps: int | None = None,
+    max_steps: Annotated[int, Field(ge=1)] | None = None,
 ) -> dict[str, Any]:
-    """One run on the grid, in figures: those of `troupe disperse --json`.
+    """One run on the grid, in figures: those of `troupe disperse --json`, the size last.
 
     Args:
         seed: for all chance, that of the region and its doors too.
@@ -54,12 +60,20 @@ def disperse(
     Raises:
         RegionError: a region that cannot be used; UsageError, ValueError: another argument.
     """
-    found = named(region, seed)
-    place = load(find_map(Path(region))) if found is None else found
+    place = region_of(region, seed)
     if doors is not None:
         place = at_random(place, doors, seed)
     place = with_doors(place, [] if door is None else door.split(), holes=force)
-    return simulate(place, rule, seed=seed, q=q, conflict=conflict, max_steps=max_steps).figures()
+    outcome = simulate(place, rule, seed=seed, q=q, conflict=conflict, max_steps=max_steps)
+    figures = outcome.figures()
+    cells = figures.pop("cells")
+    return {**figures, "cells": cells}
+
+
+def region_of(text: str, seed: int) -> Region:
+    """The region of a text or a map; raises RegionError, UsageError where there is none."""
+    found = named(text, seed)
+    return load(find_map(Path(text))) if found is None else found
 
 
 def at_random(region: Region, number: int, seed: int) -> Region:

@@ -8,6 +8,7 @@ from gridworld.grid import simulate
 from gridworld.named import named
 from gridworld.regions import RegionError
 from troupe.grid import disperse
+from troupe.sweep.asked import asked_plan
 from troupe.usage import UsageError
 
 
@@ -51,3 +52,15 @@ def test_a_run_is_that_of_the_simulator():
 def test_what_cannot_be_is_told(asked):
     with pytest.raises((RegionError, UsageError)):
         disperse(0, **asked)
+
+
+def test_a_sweep_finds_what_cannot_be_before_the_first_run():
+    settings = ("region=4x3,flat,nowhere,comb 1", "rule=fcdf", "q=1", "doors=0", "conflict=fight")
+    with pytest.raises(UsageError) as found:
+        asked_plan(
+            ["troupe.grid:disperse"], seeds="0:2", settings=settings, table=None, duration=None,
+            each=(), about={},
+        )  # fmt: skip
+    told = str(found.value)
+    for said in ("nowhere: No such file", "comb 1", "mean fcdfs?", "below 1", "1 or more", "stay"):
+        assert said in told

@@ -184,6 +184,9 @@ def world_point(
 ) -> Point:
     """A world with settings, checked; raises WorldError."""
     path = find_world(asked.world)
+    if path.suffix == ".py":
+        what = "is a program; a sweep runs a function in it"
+        raise WorldError([Mistake((), what, None, f"{asked.world}:FUNCTION", asked.world)])
     if not path.is_file():
         what = "a sweep reads its worlds many times: it must be a file"
         raise WorldError([Mistake((), what, file=asked.world)])

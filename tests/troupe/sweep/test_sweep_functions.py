@@ -155,8 +155,8 @@ def test_all_that_is_wrong_with_parameters_is_told_before_the_first_run(folder: 
     settings = ("ratte=1", "kind=old,newer")
     with pytest.raises(UsageError) as found:
         asked_plan(
-            ["study.py:walk", "study.py:seedless", "study.py:wolk", "nowhere:f"], seeds="0",
-            settings=settings, table=None, duration=None, each=(), about={},
+            ["study.py:walk", "study.py:seedless", "study.py:wolk", "nowhere:f", "study.py"],
+            seeds="0", settings=settings, table=None, duration=None, each=(), about={},
         )  # fmt: skip
     told = str(found.value)
     assert "study.py:walk: ratte: is no parameter of it; did you mean rate?" in told
@@ -168,6 +168,7 @@ def test_all_that_is_wrong_with_parameters_is_told_before_the_first_run(folder: 
     assert "study.py:seedless: has no parameter `seed`" in told
     assert "study.py:wolk" in told
     assert "nowhere:f" in told
+    assert "allowed: study.py:FUNCTION" in told
 
 
 @pytest.mark.parametrize(
