@@ -107,7 +107,7 @@ def run_task(task: Mapping[str, Any], worlds: Worlds) -> dict[str, Any]:
         outcome, reason = "world_error", str(error.mistakes[0]) if error.mistakes else str(error)
     except MemoryError:
         outcome, reason = "out_of_memory", "there was no memory left"
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         outcome, reason = "error", f"{type(error).__name__}: {error}"
         said.extend(traceback.format_exc().splitlines())
     record = {

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import textwrap
 from pathlib import Path
 
 import pytest
 
 import troupe as library
+from tests.processes import ROOT
 from tests.troupe.sweep.sweeping import QUIET, plan_of, troupe
 from troupe.report.sweep import contents
 from troupe.sweep.asked import asked_plan
@@ -91,6 +93,34 @@ def test_what_a_function_raises_or_calls_its_outcome_is_a_row(folder: Path) -> N
     assert (rows[4]["outcome"], rows[4]["reason"]) == ("lost", "no way")
     again = sweep(plan, folder / "out", How(jobs=1, quiet=True, retry_failed=True))
     assert again.ran == {"error": 1}  # `lost` is what the function says, and would say again
+
+
+def test_a_function_may_do_what_it_likes_with_its_process(folder: Path) -> None:
+    (folder / "study.py").write_text("""\
+import os, subprocess, sys, time
+
+def f(seed):
+    if seed == 1:
+        sys.exit("enough")
+    if seed == 2:
+        os._exit(3)
+    if seed == 3:
+        time.sleep(1e6)
+    if seed == 4:
+        raise MemoryError
+    os.chdir("/")
+    print("no answer")
+    subprocess.run(["cat"])  # reads all that there is
+    return sys.stdin.read()
+""")
+    sweep(study("f", "0:3,4,5"), folder / "out", QUIETLY)
+    sweep(study("f", "3"), folder / "out", How(jobs=1, quiet=True, timeout=0.5))
+    rows = {row["seed"]: row for row in gather([folder / "out"]).results}
+    assert {seed: row["outcome"] for seed, row in rows.items()} == {
+        0: "completed", 1: "error", 2: "crashed", 3: "timeout", 4: "out_of_memory", 5: "completed",
+    }  # fmt: skip
+    assert rows[1]["reason"] == "SystemExit: enough"
+    assert rows[0]["f"] == ""
 
 
 def test_a_plain_value_is_a_column_of_the_functions_name(folder: Path) -> None:
@@ -216,3 +246,14 @@ def test_two_functions_are_compared_in_a_report(folder: Path) -> None:
     assert again.returncode == 0, again.stderr
     (row,) = gather([folder / "again"]).results
     assert row["cost"] == 14.0
+
+
+def test_the_function_in_the_documents_works(folder: Path) -> None:
+    text = (ROOT / "docs" / "sweeps.md").read_text()
+    block = text.partition("    # learn.py\n")[2].partition("\nAll else")[0]
+    (folder / "learn.py").write_text(textwrap.dedent(block).replace("duration=20", "duration=1"))
+    plan = plan_of(Path("learn.py:episode"), "0:2", "turn=0.4,0.8")
+    assert sweep(plan, folder / "out", QUIETLY).ran == {"completed": 4}
+    rows = gather([folder / "out"]).results
+    assert all(row["driven"] > 0.0 for row in rows)
+    assert len({row["digest"] for row in rows}) >= 2
