@@ -1,19 +1,25 @@
-"""The studies behind docs/results/fcdfs.md: rows of figures, from many runs on the grid."""
+"""The studies behind docs/results/fcdfs.md: what is run on the grid, and means over many runs."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from gridworld.generators import KINDS, polyominoes, random_region
+from gridworld.generators import polyominoes
 from gridworld.grid import Outcome, simulate
+from gridworld.median import best_door, sums_of_distances
+from gridworld.named import any_region
 from gridworld.regions import Region, load, rectangle
 from gridworld.topology import first_hole
 
 MAPS = Path(__file__).parent / "maps"
 """Regions that come with the package."""
+
+Figures = Mapping[str, Any]
+"""A run in figures, as `Outcome.figures` gives it."""
 
 TABLE_1 = {
     "30x30": ((237984, 460), (16323, 50), (13620, 32)),
@@ -81,53 +87,47 @@ def table_region(name: str) -> Region:
     return load(MAPS / f"{name}.txt")
 
 
-def averages(region: Region, rule: str, runs: int, q: float = 0.0) -> Row:
-    """Means over runs with seeds 0, 1, ... Raises RuntimeError if a run does not complete."""
-    outcomes = [simulate(region, rule, seed=seed, q=q) for seed in range(runs)]
-    if not all(outcome.all_settled for outcome in outcomes):
-        raise RuntimeError(f"{rule} did not complete")
-    moves = [outcome.moves.sum() for outcome in outcomes]
+def averages(runs: Sequence[Figures]) -> Row:
+    """Means over runs, in the figures of each. Raises RuntimeError if one did not complete."""
+    if not all(run["outcome"] == "completed" for run in runs):
+        raise RuntimeError("a run did not complete")
+
+    def mean(name: str) -> float:
+        return float(np.mean([run[name] or 0 for run in runs]))
+
     return Row(
-        moves=float(np.mean(moves)),
-        most_moves=float(np.mean([outcome.moves.max() for outcome in outcomes])),
-        travel=float(np.mean([outcome.travel.sum() for outcome in outcomes])),
-        most_travel=float(np.mean([outcome.travel.max() for outcome in outcomes])),
-        energy=float(np.mean([outcome.energy.sum() for outcome in outcomes])),
-        makespan=float(np.mean([outcome.makespan or 0 for outcome in outcomes])),
-        steps=float(np.mean([outcome.steps for outcome in outcomes])),
-        spread=float(np.std(moves)),
+        moves=mean("total_moves"),
+        most_moves=mean("max_moves"),
+        travel=mean("total_travel"),
+        most_travel=mean("max_travel"),
+        energy=mean("total_energy"),
+        makespan=mean("makespan"),
+        steps=mean("steps"),
+        spread=float(np.std([run["total_moves"] for run in runs])),
     )
 
 
-def sample(count: int, smallest: int = 8, largest: int = 24) -> list[Region]:
-    """`count` random simply connected regions, of all kinds in turn, with a door at random."""
-    regions = []
-    for number in range(count):
-        rng = np.random.default_rng(number)
-        kind = list(KINDS)[number % len(KINDS)]
-        regions.append(random_region(kind, rng, int(rng.integers(smallest, largest + 1))))
-    return regions
-
-
-def with_missed_steps(regions: Sequence[Region], rule: str, q: float, conflict: str) -> Share:
-    """`rule` in each region, activations failing with probability `q`; the bound is 2V - 1."""
-    outcomes = [
-        simulate(region, rule, seed=seed, q=q, conflict=conflict)
-        for seed, region in enumerate(regions)
+def share(runs: Sequence[Figures], bounds: Sequence[float]) -> Share:
+    """Which of the runs did what, and their makespans as multiples of a bound for each."""
+    slower = [
+        run["makespan"] / bound
+        for run, bound in zip(runs, bounds, strict=True)
+        if run["makespan"] is not None
     ]
-    return _share(outcomes, [2 * outcome.cells - 1 for outcome in outcomes])
+    return Share(
+        covered=len(slower) / len(runs),
+        collided=float(np.mean([run["collisions"] > 0 for run in runs])),
+        settled=float(np.mean([run["settled"] / run["cells"] for run in runs])),
+        slower=float(np.mean(slower)) if slower else float("nan"),
+        on_shortest_paths=float(
+            np.mean([run["total_moves"] == run["sum_of_distances"] for run in runs])
+        ),
+    )
 
 
-def with_doors(regions: Sequence[Region], rule: str, doors: int, conflict: str) -> Share:
-    """`rule` in each region through `doors` random doors; the bound is 2V / doors."""
-    outcomes = []
-    for seed, region in enumerate(regions):
-        free = np.argwhere(region.free)
-        rng = np.random.default_rng([seed, doors])
-        chosen = free[rng.choice(len(free), doors, replace=False)]
-        cells = [(int(column), int(row)) for row, column in chosen]
-        outcomes.append(simulate(region.with_doors(cells), rule, seed=seed, conflict=conflict))
-    return _share(outcomes, [2 * outcome.cells / doors for outcome in outcomes])
+def sample(count: int) -> list[Region]:
+    """`count` random simply connected regions, of all kinds in turn, with a door at random."""
+    return [any_region(number) for number in range(count)]
 
 
 def most_entries(q: float) -> float:
@@ -136,6 +136,30 @@ def most_entries(q: float) -> float:
     Where each of them wakes with probability p = 1 - q, it is (1 - sqrt(1 - p)) / 2.
     """
     return (1.0 - math.sqrt(q)) / 2.0
+
+
+def doors(seed: int, region: str) -> dict[str, object]:
+    """A region's best door and its own, with the total travel from each, and the most there is.
+
+    Nothing is drawn: `seed` is there as a sweep has one.
+    """
+    place = table_region(region)
+    sums = sums_of_distances(place.free)
+    (column, row), best = place.doors[0], best_door(place)
+    free = sums[place.free]
+    return {
+        "best_door": f"{best[0]},{best[1]}",
+        "best_total": int(free.min()),
+        "own_door": f"{column},{row}",
+        "own_total": int(sums[row, column]),
+        "worst_total": int(free.max()),
+    }
+
+
+def small_regions(seed: int, size: int, rule: str = "fcdfs5") -> dict[str, int]:
+    """`exhaust` of all polyominoes of `size` cells, in figures; nothing is drawn."""
+    tried, failed, spared = exhaust(size, rule)
+    return {"tried": tried, "not_optimal": failed, "spared": spared}
 
 
 def exhaust(cells: int, rule: str) -> tuple[int, int, int]:
@@ -164,21 +188,4 @@ def is_optimal(outcome: Outcome) -> bool:
         and outcome.makespan == 2 * outcome.cells - 1
         and int(outcome.travel.sum()) == outcome.sum_of_distances
         and int(outcome.travel.max()) == outcome.max_distance
-    )
-
-
-def _share(outcomes: Sequence[Outcome], bounds: Sequence[float]) -> Share:
-    slower = [
-        outcome.makespan / bound
-        for outcome, bound in zip(outcomes, bounds, strict=True)
-        if outcome.makespan is not None
-    ]
-    return Share(
-        covered=len(slower) / len(outcomes),
-        collided=float(np.mean([outcome.collisions > 0 for outcome in outcomes])),
-        settled=float(np.mean([(out.settled > 0).sum() / out.cells for out in outcomes])),
-        slower=float(np.mean(slower)) if slower else float("nan"),
-        on_shortest_paths=float(
-            np.mean([int(out.moves.sum()) == out.sum_of_distances for out in outcomes])
-        ),
     )

@@ -1,11 +1,15 @@
 """Reproduce the results of the FCDFS paper on the grid: docs/results/fcdfs.md and its tables.
 
-    scripts/fcdfs_tables [--runs N] [--regions N] [--cells N] [--no-large] [--out FOLDER]
+    scripts/fcdfs_tables [--runs N] [--regions N] [--cells N] [--no-large] [--jobs N]
+                         [--folder DIR] [--out FOLDER]
 
-With its defaults it takes some minutes on one core. The grid model is no world and no run, so
-these tables come from no sweep; the page's prose is in scripts/templates. Needs matplotlib (extra
-"plots").
+A sweep into build/fcdfs_grid, which goes on where it was when it is called again; with its defaults
+it takes a minute on one core. The tables are made of the sweep's rows; only what shows no outcome
+of runs is drawn and measured here: pictures, curves, and what a step costs. The page's prose is in
+scripts/templates. Needs matplotlib (extra "plots").
 """
+
+from __future__ import annotations
 
 import argparse
 import sys
@@ -15,48 +19,40 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
+import fcdfs_runs as asked  # noqa: E402
 import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from fcdfs_runs import Found  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from pages import keep, keep_about, write  # noqa: E402
+from sweeps import sweep  # noqa: E402
 
 from gridworld import studies  # noqa: E402
-from gridworld.generators import comb, ring  # noqa: E402
-from gridworld.grid import GridRun, simulate  # noqa: E402
+from gridworld.generators import ring  # noqa: E402
+from gridworld.grid import GridRun  # noqa: E402
 from gridworld.median import best_door, sums_of_distances  # noqa: E402
 from gridworld.regions import Region, rectangle  # noqa: E402
 from troupe.grid_film import picture_of, write_picture  # noqa: E402
-
-FAILURES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5)
 
 
 def pair(total: float, most: float) -> str:
     return f"{total:.0f} ({most:.0f})"
 
 
-def picture(folder: Path, name: str, region: Region, rule: str, steps: int, **more: object) -> None:
-    """Draw the end of a step."""
-    run = GridRun(region, rule, **more)  # type: ignore[arg-type]
-    run.advance(steps)
-    pixels = max(4, 420 // max(region.columns + 2, region.rows + 2))
-    write_picture(folder / f"{name}.png", picture_of(run, rule, pixels), run)
-
-
-def table_1(folder: Path, runs: int) -> None:
+def table_1(folder: Path, found: Found, runs: int) -> None:
     without: list[list[object]] = []
     pauses: list[list[object]] = []
     for name, paper in studies.TABLE_1.items():
-        region = studies.table_region(name)
-        found = {rule: studies.averages(region, rule, runs) for rule in ("dflf", "bflf")}
-        found |= {
-            rule: studies.averages(region, rule, 1 if rule != "symmetric" else runs)
-            for rule in ("fcdfs", "fcdfs5", "symmetric", "left_hand")
+        means = {
+            one["rule"]: studies.averages(found.of(one))
+            for one in asked.table_1(runs)
+            if one["region"] == name
         }
-        cells = [pair(row.moves, row.most_moves) for row in found.values()]
-        without.append([f"{name} (V = {region.cells})", *cells])
+        cells = [pair(row.moves, row.most_moves) for row in means.values()]
+        without.append([f"{name} (V = {studies.table_region(name).cells})", *cells])
         without.append(["the paper", *(pair(*figures) for figures in paper), "", "", ""])
         pauses.extend(
             [
@@ -66,121 +62,82 @@ def table_1(folder: Path, runs: int) -> None:
                 f"{row.makespan:.0f}",
                 f"{row.spread:.0f}",
             ]
-            for rule, row in found.items()
+            for rule, row in means.items()
             if rule in ("dflf", "bflf", "fcdfs")
         )
     rules = ["DFLF", "BFLF", "FCDFS", "five bits", "symmetric", "left hand"]
     keep(folder / "table_1.csv", ["region", *rules], without)
     heads = ["region", "rule", "total (maximal) travel", "makespan", "deviation"]
     keep(folder / "pauses.csv", heads, pauses)
-    for name, rule, step in (
-        ("flat", "fcdfs", 420),
-        ("labyrinth", "fcdfs", 900),
-        ("apartment", "left_hand", 350),
-    ):
-        picture(folder, name, studies.table_region(name), rule, step)
-    region = rectangle(30, 30, [(13, 13)])
-    picture(folder, "symmetric", region, "symmetric", 900, seed=1)
 
 
-def doors(folder: Path) -> None:
+def doors(folder: Path, found: Found) -> None:
+    names = ("best_door", "best_total", "own_door", "own_total", "worst_total")
     rows = []
     for name in studies.TABLE_1:
-        region = studies.table_region(name)
-        sums = sums_of_distances(region.free)
-        free = sums[region.free]
-        (column, row), best = region.doors[0], best_door(region)
-        rows.append(
-            [
-                name,
-                f"{best[0]},{best[1]}",
-                free.min(),
-                f"{column},{row}",
-                sums[row, column],
-                free.max(),
-            ]
-        )
-    region = studies.table_region("labyrinth")
-    figure, axes = plt.subplots(figsize=(4.6, 4.2))
-    sums = np.where(region.free, sums_of_distances(region.free), np.nan)
-    shown = axes.imshow(sums, cmap="viridis_r")
-    axes.plot(*best_door(region), "r*", markersize=11)
-    axes.set(xticks=[], yticks=[], title="total travel by door, labyrinth")
-    figure.colorbar(shown)
-    save(figure, folder / "doors.png")
+        row = found.one({"world": asked.DOORS, "seed": 0, "region": name})
+        rows.append([name, *(row[key] for key in names)])
     heads = ["region", "best door", "its total", "door above", "its total", "worst total"]
     keep(folder / "doors.csv", heads, rows)
 
 
-def combs(folder: Path) -> None:
-    rows = []
-    for k in (None, 2, 6, 11, 16, 20):
-        region = comb(k)
-        row: list[object] = ["none" if k is None else k, region.cells]
-        for rule in ("fcdfs", "dflf", "bflf"):
-            outcome = simulate(region, rule, seed=1)
-            if rule == "fcdfs":
-                row.append(outcome.sum_of_distances)
-            total = pair(outcome.moves.sum(), outcome.moves.max())
-            row.append(total if outcome.all_settled else f"{outcome.outcome}, step {outcome.steps}")
-        rows.append(row)
-    keep(
-        folder / "combs.csv",
-        ["k", "V", "sum of distances", "FCDFS", "DFLF", "BFLF without pauses"],
-        rows,
-    )
+def combs(folder: Path, found: Found) -> None:
+    rows: dict[str, list[object]] = {}
+    for one in asked.combs():
+        row = found.one(one)
+        cells = rows.setdefault(one["region"], [one["region"][5:] or "none", row["cells"]])
+        if one["rule"] == "fcdfs":
+            cells.append(row["sum_of_distances"])
+        done = row["outcome"] == "completed"
+        short = f"{row['outcome']}, step {row['steps']}"
+        cells.append(pair(row["total_moves"], row["max_moves"]) if done else short)
+    heads = ["k", "V", "sum of distances", "FCDFS", "DFLF", "BFLF without pauses"]
+    keep(folder / "combs.csv", heads, rows.values())
 
 
-def rings(folder: Path) -> None:
+def rings(folder: Path, found: Found) -> None:
     rows = []
-    for columns, thickness, door in ((8, 1, (0, 4)), (12, 1, (5, 0)), (12, 2, (0, 5))):
-        region = ring(columns, columns, thickness).with_doors([door])
-        for conflict in ("stop", "stay"):
-            out = simulate(region, conflict=conflict)
-            name, end = f"{columns}x{columns}, {thickness} wide", out.outcome.replace("_", " ")
-            came, settled = f"{len(out.entered)} of {out.cells}", int((out.settled > 0).sum())
-            rows.append([name, conflict, end, came, settled, out.steps])
-    region = ring(12, 12, 1).with_doors([(5, 0)])
-    picture(folder, "ring", region, "fcdfs", 200, conflict="stay")
+    for one in asked.rings():
+        row = found.one(one)
+        _, side, thickness = one["region"].split()
+        name = f"{side}x{side}, {thickness} wide"
+        came = f"{row['entered']} of {row['cells']}"
+        end = row["outcome"].replace("_", " ")
+        rows.append([name, one["conflict"], end, came, row["settled"], row["steps"]])
     heads = ["ring", "conflict", "end", "entered", "settled", "steps"]
     keep(folder / "rings.csv", heads, rows)
 
 
-def missed_steps(folder: Path, regions: list[Region]) -> None:
+def missed_steps(folder: Path, found: Found, regions: int) -> None:
     rows: list[list[object]] = []
-    figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2))
-    for rule, conflict in (("fcdfs", "stop"), ("fcdfs", "stay"), ("light", "stop")):
-        found = [studies.with_missed_steps(regions, rule, q, conflict) for q in FAILURES]
-        rows.extend(
+    shares: dict[tuple[str, str], list[studies.Share]] = {}
+    for one in asked.missed_steps(regions):
+        runs = found.of(one)
+        s = studies.share(runs, [2 * run["cells"] - 1 for run in runs])
+        shares.setdefault((one["rule"], one["conflict"]), []).append(s)
+        rows.append(
             [
-                *(q, rule, conflict, f"{s.covered:.1%}", f"{s.settled:.1%}", f"{s.collided:.1%}"),
+                *(one["q"], one["rule"], one["conflict"]),
+                *(f"{s.covered:.1%}", f"{s.settled:.1%}", f"{s.collided:.1%}"),
                 *(f"{s.on_shortest_paths:.1%}", f"{s.slower:.2f}" if s.covered else "none covered"),
             ]
-            for q, s in zip(FAILURES, found, strict=True)
         )
-        label = "light (AsynchFCDFS)" if rule == "light" else f"{rule}, {conflict}"
-        left.plot(FAILURES, [100 * s.settled for s in found], "o-", label=label)
-        if rule == "light":
-            right.plot(FAILURES, [s.slower for s in found], "o-C2", label="light (AsynchFCDFS)")
-    right.plot(FAILURES, [1 / (1 - q) for q in FAILURES], "k:", label="1 / (1 - q)")
-    bound = [0.5 / studies.most_entries(q) for q in FAILURES]
-    right.plot(FAILURES, bound, "k--", label="V / alpha")
-    left.set(xlabel="q", ylabel="cells settled, %", title="coverage")
-    right.set(xlabel="q", ylabel="makespan / (2V - 1)", title="makespan")
-    for axes in (left, right):
-        axes.legend()
-    save(figure, folder / "missed_steps.png")
+    draw_missed_steps(folder, shares)
     heads = ["q", "rule", "conflict", "covered", "cells settled", "collided"]
     heads += ["moves = distances", "makespan / (2V - 1)"]
     keep(folder / "missed_steps.csv", heads, rows)
 
 
-def later_paper(folder: Path, runs: int) -> None:
+def later_paper(folder: Path, found: Found, runs: int) -> None:
+    means = {
+        (one["region"], one["rule"], one["q"]): studies.averages(found.of(one))
+        for one in asked.later_paper(runs)
+    }
     rows: list[list[object]] = []
     for name, lines in studies.TABLE_2.items():
         region = studies.table_region(name)
         for (rule, q), (cells, travel, energy, makespan) in lines.items():
-            here = studies.averages(region, rule, 1 if rule == "fcdfs" else runs, q)
+            here = means[name, rule, q]
             called = f"AsynchFCDFS, p = {1 - q:g}" if rule == "light" else rule.upper()
             share = here.steps * studies.most_entries(q) / region.cells
             rows.append(
@@ -193,47 +150,37 @@ def later_paper(folder: Path, runs: int) -> None:
             )
     heads = ["region", "rule", "energy", "energy / moves: the paper", "here"]
     heads += ["makespan / V: the paper", "here", "of V / alpha"]
-    corridors = [
-        [
-            f"{1 - q:g}",
-            *(
-                f"{makespan * studies.most_entries(q) / length:.3f}"
-                for length in (100, 1000, 4000)
-                for makespan in [studies.averages(corridor(length), "light", 3, q).makespan]
-            ),
-        ]
-        for q in (0.1, 0.25, 0.5, 0.75)
-    ]
     keep(folder / "later_paper.csv", heads, rows)
-    keep(folder / "corridors.csv", ["p", "100", "1000", "4000"], corridors)
+    corridors = []
+    for q in asked.ASLEEP:
+        spans = {n: means[f"{n}x1", "light", q].makespan for n in asked.CORRIDORS}
+        alpha = studies.most_entries(q)
+        corridors.append([f"{1 - q:g}", *(f"{span * alpha / n:.3f}" for n, span in spans.items())])
+    keep(folder / "corridors.csv", ["p", *map(str, asked.CORRIDORS)], corridors)
 
 
-def corridor(length: int) -> Region:
-    return rectangle(length, 1, [(0, 0)])
-
-
-def several_doors(folder: Path, regions: list[Region]) -> None:
+def several_doors(folder: Path, found: Found, regions: int) -> None:
     rows = []
-    for count in (1, 2, 3, 4):
-        for conflict in ("stop", "stay"):
-            s = studies.with_doors(regions, "fcdfs", count, conflict)
-            rows.append(
-                [count, conflict, f"{s.covered:.1%}", f"{s.collided:.1%}", f"{s.slower:.2f}"]
-            )
+    for one in asked.several_doors(regions):
+        runs, count = found.of(one), one["doors"]
+        s = studies.share(runs, [2 * run["cells"] / count for run in runs])
+        shown = (f"{s.covered:.1%}", f"{s.collided:.1%}", f"{s.slower:.2f}")
+        rows.append([count, one["conflict"], *shown])
     heads = ["doors", "conflict", "covered", "collided", "makespan / (2V / doors)"]
     keep(folder / "several_doors.csv", heads, rows)
 
 
-def small_regions(folder: Path, cells: int) -> None:
+def small_regions(folder: Path, found: Found, cells: int) -> None:
     rows = []
     for size in range(1, cells + 1):
-        tried, failed, spared = studies.exhaust(size, "fcdfs5")
-        rows.append([size, tried, failed, spared])
+        row = found.one({"world": asked.SMALL, "seed": 0, "size": size})
+        rows.append([size, row["tried"], row["not_optimal"], row["spared"]])
     heads = ["cells", "region and door", "not optimal", "with a hole, no collision"]
     keep(folder / "small_regions.csv", heads, rows)
 
 
 def cost(folder: Path, large: bool) -> None:
+    """What depends on the machine is no outcome of a run: it is measured here, alone."""
     rows = []
     for side in (100, 316, *((1000,) if large else ())):
         run = GridRun(rectangle(side, side, [(side // 2, side // 2)]), "fcdfs")
@@ -247,6 +194,55 @@ def cost(folder: Path, large: bool) -> None:
     keep(folder / "cost.csv", ["region", "robot steps", "seconds", "ns per robot step"], rows)
 
 
+def pictures(folder: Path) -> None:
+    """Draw the ends of steps, and the total travel by door."""
+    for name, rule, step in (
+        ("flat", "fcdfs", 420),
+        ("labyrinth", "fcdfs", 900),
+        ("apartment", "left_hand", 350),
+    ):
+        picture(folder, name, studies.table_region(name), rule, step)
+    square = rectangle(30, 30, [(13, 13)])
+    picture(folder, "symmetric", square, "symmetric", 900, seed=1)
+    frame = ring(12, 12, 1).with_doors([(5, 0)])
+    picture(folder, "ring", frame, "fcdfs", 200, conflict="stay")
+    region = studies.table_region("labyrinth")
+    figure, axes = plt.subplots(figsize=(4.6, 4.2))
+    sums = np.where(region.free, sums_of_distances(region.free), np.nan)
+    shown = axes.imshow(sums, cmap="viridis_r")
+    axes.plot(*best_door(region), "r*", markersize=11)
+    axes.set(xticks=[], yticks=[], title="total travel by door, labyrinth")
+    figure.colorbar(shown)
+    save(figure, folder / "doors.png")
+
+
+def picture(folder: Path, name: str, region: Region, rule: str, steps: int, **more: object) -> None:
+    """Draw the end of a step."""
+    run = GridRun(region, rule, **more)  # type: ignore[arg-type]
+    run.advance(steps)
+    pixels = max(4, 420 // max(region.columns + 2, region.rows + 2))
+    write_picture(folder / f"{name}.png", picture_of(run, rule, pixels), run)
+
+
+def draw_missed_steps(folder: Path, shares: dict[tuple[str, str], list[studies.Share]]) -> None:
+    """Draw coverage and makespan against the probability of a missed step."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2))
+    failures = asked.FAILURES
+    for (rule, conflict), found in shares.items():
+        label = "light (AsynchFCDFS)" if rule == "light" else f"{rule}, {conflict}"
+        left.plot(failures, [100 * s.settled for s in found], "o-", label=label)
+        if rule == "light":
+            right.plot(failures, [s.slower for s in found], "o-C2", label="light (AsynchFCDFS)")
+    right.plot(failures, [1 / (1 - q) for q in failures], "k:", label="1 / (1 - q)")
+    bound = [0.5 / studies.most_entries(q) for q in failures]
+    right.plot(failures, bound, "k--", label="V / alpha")
+    left.set(xlabel="q", ylabel="cells settled, %", title="coverage")
+    right.set(xlabel="q", ylabel="makespan / (2V - 1)", title="makespan")
+    for axes in (left, right):
+        axes.legend()
+    save(figure, folder / "missed_steps.png")
+
+
 def save(figure: Figure, path: Path) -> None:
     figure.tight_layout()
     figure.savefig(path, dpi=80)
@@ -254,26 +250,33 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def main() -> None:
+    """Sweep, and write the tables, the pictures and the page."""
     options = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     options.add_argument("--runs", type=int, default=100, help="seeds per rule with chance in it")
     options.add_argument("--regions", type=int, default=300, help="random regions")
     options.add_argument("--cells", type=int, default=9, help="size of the largest polyominoes")
     options.add_argument("--no-large", action="store_true", help="leave out 1000x1000")
+    options.add_argument("--jobs", type=int, default=2, help="runs at a time")
+    options.add_argument("--folder", type=Path, default=ROOT / "build" / "fcdfs_grid")
     options.add_argument("--out", type=Path, default=ROOT / "docs" / "results")
     given = options.parse_args()
+    table = given.folder.with_suffix(".csv")
+    asked.write_asked(table, asked.everything(given.runs, given.regions, given.cells))
+    sweep(given.folder, "--table", table, "--jobs", str(given.jobs))
+    found = Found(given.folder)
     folder = given.out / "fcdfs"
     folder.mkdir(parents=True, exist_ok=True)
-    regions = studies.sample(given.regions)
-    table_1(folder, given.runs)
-    doors(folder)
-    combs(folder)
-    rings(folder)
-    missed_steps(folder, regions)
-    later_paper(folder, given.runs)
-    several_doors(folder, regions)
-    small_regions(folder, given.cells)
+    table_1(folder, found, given.runs)
+    doors(folder, found)
+    combs(folder, found)
+    rings(folder, found)
+    missed_steps(folder, found, given.regions)
+    later_paper(folder, found, given.runs)
+    several_doors(folder, found, given.regions)
+    small_regions(folder, found, given.cells)
+    pictures(folder)
     cost(folder, not given.no_large)
-    keep_about(folder, {"runs": given.runs, "regions": len(regions)})
+    keep_about(folder, {"runs": given.runs, "regions": given.regions})
     print(write("fcdfs", given.out))
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from gridworld import studies
 from gridworld.grid import simulate
+from troupe.grid import disperse
 
 
 @pytest.mark.parametrize("name", studies.TABLE_1)
@@ -29,25 +30,29 @@ def test_small_regions_are_all_tried():
 
 def test_averages_are_over_the_seeds():
     region = studies.table_region("flat")
-    row = studies.averages(region, "dflf", 3)
     runs = [simulate(region, "dflf", seed=seed) for seed in range(3)]
+    row = studies.averages([run.figures() for run in runs])
     assert row.moves == pytest.approx(sum(run.moves.sum() for run in runs) / 3)
     assert row.makespan == 2 * region.cells - 1
 
 
 def test_shares_tell_covered_runs_from_others():
-    regions = studies.sample(12)
-    assert studies.with_missed_steps(regions, "fcdfs", 0.0, "stop").covered == 1
-    lost = studies.with_missed_steps(regions, "fcdfs", 0.5, "stop")
+    def share(**asked):
+        runs = [disperse(seed, "any", **asked) for seed in range(12)]
+        return studies.share(runs, [2 * run["cells"] - 1 for run in runs])
+
+    assert share().covered == 1
+    lost = share(q=0.5)
     assert (lost.covered, lost.slower != lost.slower) == (0, True)  # nan: nothing to average
-    lit = studies.with_missed_steps(regions, "light", 0.5, "stop")
+    lit = share(rule="light", q=0.5)
     assert (lit.covered, lit.collided, lit.on_shortest_paths) == (1, 0, 1)
-    assert studies.with_doors(regions, "fcdfs", 2, "stay").collided == 0
+    assert share(doors=2, conflict="stay").collided == 0
 
 
 def test_the_script_writes_its_page(tmp_path):
     script = Path(__file__).parents[2] / "scripts" / "fcdfs_tables.py"
-    options = ["--runs", "2", "--regions", "5", "--cells", "3", "--no-large", "--out", tmp_path]
+    options = ["--runs", "2", "--regions", "5", "--cells", "3", "--no-large", "--out", tmp_path,
+               "--folder", tmp_path / "runs", "--jobs", "1"]  # fmt: skip
     subprocess.run([sys.executable, script, *map(str, options)], check=True, capture_output=True)
     page = (tmp_path / "fcdfs.md").read_text()
     assert "| 30x30 (V = 900) |" in page

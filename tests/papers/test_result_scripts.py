@@ -44,3 +44,20 @@ def test_the_table_of_placements_is_the_same_after_it_was_read_and_written(tmp_p
     subprocess.run([sys.executable, "-c", code], env=environment(), check=True)
     assert copy.read_bytes() == TABLE.read_bytes()
     assert script("paint_placements.py", *words).stdout.startswith("0 runs, 1 are in ")
+
+
+def test_rows_are_those_of_what_was_asked_for_last(tmp_path: Path) -> None:
+    code = f"""\
+import sys; sys.path[:0] = [{str(ROOT / "scripts")!r}]
+from pathlib import Path; from sweeps import rows, sweep
+study, out = Path({str(tmp_path / "study.py")!r}), Path({str(tmp_path / "out")!r})
+for seeds, number in (("0:3", 1), ("0:2", 2)):
+    study.write_text(f"def f(seed):\\n    return {{{{'x': {{number}}}}}}\\n")
+    sweep(out, f"{{study}}:f", "--seeds", seeds, "--quiet", "--jobs", "1")
+    print([row["x"] for row in rows(out)])
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment(), capture_output=True, text=True, timeout=PATIENCE, check=True,
+    )  # fmt: skip
+    assert [line for line in done.stdout.splitlines() if line[0] == "["] == ["[1, 1, 1]", "[2, 2]"]

@@ -14,7 +14,7 @@ from troupe.usage import UsageError, told
 
 if TYPE_CHECKING:
     from gridworld.grid import GridRun, Outcome
-    from gridworld.regions import Cell, Region
+    from gridworld.regions import Region
 
 # The rest of the package is loaded by the command itself: other commands need no compiler.
 # ruff: noqa: PLC0415
@@ -173,7 +173,7 @@ def _dispersed(
         region = _region(map_file, grid, doors, force)
         run = GridRun(region, rule, seed=seed, q=q, conflict=conflict)
         record(run, max_steps=max_steps, picture=picture, at=at, film=video_file, rule=rule)
-    except (RegionError, VideoError) as error:
+    except (RegionError, UsageError, VideoError) as error:
         _fail(str(error))
     except OSError as error:
         _fail(told(error))
@@ -199,30 +199,13 @@ def _in_words(result: dict[str, Any]) -> str:
 
 
 def _region(map_file: Path | None, grid: str | None, doors: list[str], force: bool) -> "Region":
-    from gridworld.median import best_door
-    from gridworld.regions import RegionError, load, rectangle
+    from gridworld.regions import load, rectangle
+    from troupe.grid import two_numbers, with_doors
 
     if (map_file is None) == (grid is None):
-        raise typer.BadParameter("give either a map or --grid WxH", param_hint="MAP.txt")
-    region = load(map_file) if map_file else rectangle(*_two("--grid", str(grid), "x"))
-    if doors == ["best"]:
-        region.check(holes=force)
-        return region.with_doors([best_door(region)])
-    if doors:
-        region = region.with_doors([_two("--door", door, ",") for door in doors])
-    if not region.doors:
-        source = f"{region.source}: " if region.source else ""
-        raise RegionError(f"{source}no door: mark one with S in the map, or give --door COL,ROW")
-    region.check(holes=force)
-    return region
-
-
-def _two(option: str, text: str, separator: str) -> "Cell":
-    first, found, second = text.strip().partition(separator)
-    if not (found and first.strip().isdecimal() and second.strip().isdecimal()):
-        shape = f"{'COL,ROW' if separator == ',' else 'WxH'}"
-        raise typer.BadParameter(f"{text!r} is not {shape}, two whole numbers", param_hint=option)
-    return int(first), int(second)
+        raise UsageError("MAP: give either a map or --grid WxH")
+    region = load(map_file) if map_file else rectangle(*two_numbers("--grid", str(grid), "x"))
+    return with_doors(region, doors, holes=force)
 
 
 def _one_of(option: str, text: str, allowed: list[str]) -> str:

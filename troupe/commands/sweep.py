@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,12 +23,14 @@ if TYPE_CHECKING:
 def sweep(
     context: typer.Context,
     worlds: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
-            metavar="WORLD...|SWEEP.yaml|collect DIR...",
-            help="World files, names of Troupe's, or a file that describes a sweep.",
+            metavar="WORLD...|FILE.py:FUNCTION|SWEEP.yaml|collect DIR...",
+            help="World files, names of Troupe's, functions of parameters and a seed (also "
+            "MODULE:FUNCTION), or a file that describes a sweep.",
+            show_default="those of --table",
         ),
-    ],
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -113,6 +115,14 @@ def sweep(
             show_default="of none",
         ),
     ] = None,
+    log_of: Annotated[
+        str | None,
+        typer.Option(
+            metavar="failed|first|N",
+            help="Keep logs of these runs, in DIR/logs.",
+            show_default="of none",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
     """Run every combination of worlds, settings and seeds that the folder lacks.
@@ -122,21 +132,23 @@ def sweep(
     of the table); 1: some are missing; 2: bad usage or a mistake in any combination; 130:
     interrupted.
     """
+    from troupe.sweep.options import how_of  # noqa: PLC0415
     from troupe.sweep.pool import Broken  # noqa: PLC0415 - `troupe --help` stays quick
-    from troupe.sweep.seeds import Unusable  # noqa: PLC0415
     from troupe.sweep.session import Changed  # noqa: PLC0415
 
     code = 2
     try:
-        if worlds[0] == "collect":
+        named = worlds or []
+        if named[:1] == ["collect"]:
             refuse_all_but(context, {"worlds", "out", "each"})
-            code = collect(worlds[1:], out, each or [])
+            code = collect(named[1:], out, each or [])
         else:
-            if out is None:
-                raise UsageError("--out: name the sweep's folder, as --out results")
-            how = checked(jobs, shard, timeout, retry_failed, dask, quiet)
-            code = run_sweep(worlds, out, seeds, set_, table, duration, each, judge, video_of, how)
-    except (UsageError, Unusable) as error:
+            mistakes = ["--out: name the sweep's folder, as --out results"] * (out is None)
+            how = how_of(jobs, shard, timeout, retry_failed, dask, quiet, mistakes)
+            again = {"video": video_of, "log": log_of}
+            asked = (named, seeds, set_, table, duration, each, judge, again)
+            code = run_sweep(*asked, out or Path(), how, mistakes)
+    except UsageError as error:
         tell(str(error))
     except Changed as error:
         tell(f"{error} since the sweep began; run it again")
@@ -155,61 +167,28 @@ def tell(text: str) -> None:
         print(printable_lines(text), file=sys.stderr)
 
 
-def checked(
-    jobs: int | None,
-    shard: str | None,
-    timeout: float | None,
-    retry_failed: bool,
-    dask: str | None,
-    quiet: bool,
-) -> How:
-    """The options on how to run; raises UsageError."""
-    from troupe.sweep.session import How  # noqa: PLC0415
-
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: must be 1 or more")
-    if timeout is not None and not 0 < timeout < 1e9:
-        raise UsageError(f"--timeout {timeout:g}: must be above 0")
-    part = (1, 1)
-    if shard is not None:
-        first, _, number = shard.partition("/")
-        if not (first.isdecimal() and number.isdecimal() and 1 <= int(first) <= int(number)):
-            raise UsageError(f"--shard {shard}: must be I/N, from 1/N to N/N")
-        part = (int(first), int(number))
-    return How(jobs or cores(), part, timeout, retry_failed, dask, quiet)
-
-
-def cores() -> int:
-    """The processor cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 def run_sweep(
     worlds: list[str],
-    out: Path,
     seeds: str | None,
     settings: list[str] | None,
     table: Path | None,
     duration: float | None,
     each: list[str] | None,
     judge: list[str] | None,
-    video_of: str | None,
+    again: Mapping[str, str | None],
+    out: Path,
     how: How,
+    mistakes: list[str],
 ) -> int:
-    """Plan, run, collect, make videos; the exit code."""
+    """Plan, run, collect, make videos and logs; the exit code. `mistakes`: those so far."""
     from troupe.sweep.asked import asked_plan  # noqa: PLC0415
+    from troupe.sweep.recordings import chosen, record_again  # noqa: PLC0415
     from troupe.sweep.session import sweep as carry_out  # noqa: PLC0415
     from troupe.sweep.versions import versions  # noqa: PLC0415
-    from troupe.sweep.videos import chosen, make_videos, number_of  # noqa: PLC0415
     from troupe.warm import tell as say  # noqa: PLC0415
     from troupe.warm import warm_once  # noqa: PLC0415
 
-    if duration is not None and not 0 < duration < 1e15:
-        raise UsageError(f"--duration {duration:g}: must be above 0")
-    if video_of is not None:
-        number_of(video_of)
+    recorded = {kind: which for kind, which in again.items() if which is not None}
     warm_once(say)
     plan = asked_plan(
         worlds,
@@ -219,11 +198,13 @@ def run_sweep(
         duration=duration,
         each=each or [],
         judge=judge or [],
+        recorded=recorded,
         about={
             "command": shlex.join(["troupe", *sys.argv[1:]]),
             "folder": str(Path.cwd()),
             "versions": versions(),
         },
+        mistakes=mistakes,
     )
     interrupts = Interrupts(again=leave)
     interrupts.hold()
@@ -232,12 +213,12 @@ def run_sweep(
         session = carry_out(plan, out, how, stopped)
         if not interrupts.noted and how.shard == (1, 1):
             finish(out)
-        if video_of is not None and not interrupts.noted:
-            made, failed = make_videos(
-                chosen(plan, out, video_of), out, how.jobs, how.timeout, stopped
-            )
-            print(f"{len(made)} videos are in {out / 'videos'}")
-            tell("\n".join(failed))
+        for kind, which in recorded.items():
+            if not interrupts.noted:
+                runs = chosen(plan, out, kind, which)
+                made, failed = record_again(kind, runs, out, how.jobs, how.timeout, stopped)
+                print(f"{len(made)} {kind}s are in {out / f'{kind}s'}")
+                tell("\n".join(failed))
     finally:
         interrupts.release()
     print(summary(session, plan, out))

@@ -173,7 +173,8 @@ def measures_of(
             values = {row.get(name) for row in done if is_number(row.get(name))}
             if len(values) > 1 and name not in chosen:
                 chosen.append(name)
-        chosen = chosen[:MOST_MEASURES] or ["sim_time"]
+        numbers = [name for name in likely if any(is_number(row.get(name)) for row in done)]
+        chosen = chosen[:MOST_MEASURES] or numbers[:1] or ["sim_time"]
     return [
         Measure(name, name in higher or any(word in name.lower() for word in HIGHER))
         for name in chosen

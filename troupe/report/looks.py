@@ -34,7 +34,12 @@ class Look:
 
 
 def command_of(point: Point, seed: int, more: str = "--video watch.mp4") -> str:
-    """The command that runs a run again."""
+    """The command that runs a run again; of a function's, into a folder of its own."""
+    if point.duration is None:
+        words = ["troupe", "sweep", point.world, "--seeds", str(seed)]
+        for setting in as_settings(point.settings):
+            words += ["--set", setting]
+        return shlex.join([*words, "--out", "again"])
     words = ["troupe", "run", point.world, "--seed", str(seed), "--duration", f"{point.duration:g}"]
     for setting in as_settings(point.settings):
         words += ["--set", setting]
@@ -91,6 +96,8 @@ def picture_of(point: Point, row: Row, taken: float) -> tuple[bytes | None, str]
     """The end of a run as PNG, or why there is none: only a run of the same digest is shown."""
     from troupe.running import run_file  # noqa: PLC0415 - loads the simulator
 
+    if point.duration is None:
+        return None, "a function has none"
     if taken > PATIENT:
         return None, f"running it again would take {taken:.0f} s"
     settings = as_settings(point.settings)
@@ -104,7 +111,7 @@ def picture_of(point: Point, row: Row, taken: float) -> tuple[bytes | None, str]
                 point.path,
                 seed=row["seed"],
                 duration=point.duration,
-                settings=settings,
+                settings=[*settings, "player.port=null", "log=null"],
                 picture=path,
                 say=lambda line: None,
             )

@@ -14,7 +14,7 @@ from troupe.sweep.folder import load_plans, records, write_aside
 from troupe.sweep.lines import Line
 from troupe.sweep.plan import Plan
 from troupe.sweep.results import Each, added
-from troupe.sweep.rows import JUDGED, Row, columns, rows_of
+from troupe.sweep.rows import Row, columns, rows_of
 from troupe.usage import UsageError
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 class Tables:
     """What is in the folders.
 
-    `added` columns are those of judges and functions; `missing` runs were asked for and have no
-    record.
+    `added` columns are those of judges, functions that were run, and functions of a result;
+    `missing` runs were asked for and have no record.
     """
 
     plans: list[Plan]
@@ -48,10 +48,9 @@ def gather(folders: Sequence[Path], each: Sequence[Each] = ()) -> Tables:
         raise UsageError(f"{', '.join(map(str, folders))}: holds no sweep")
     ordered = [plans[name] for name in sorted(plans)]
     found = records(folders)
-    results, timings = rows_of(ordered, found)
+    results, timings, names = rows_of(ordered, found)
     asked = [Each(**one) for plan in ordered for one in plan.about.get("each", ())]
     functions = [(one, one.load()) for one in dict.fromkeys([*asked, *each])]
-    names = dict.fromkeys(key for row in results for key in row if key.startswith(JUDGED))
     if functions:
         for row in results:
             record = found[f"{row['hash']}-s{row['seed']}"].record
@@ -61,10 +60,10 @@ def gather(folders: Sequence[Path], each: Sequence[Each] = ()) -> Tables:
                 if taken:
                     raise UsageError(f"{one}: there is a column {taken[0]} already")
                 row.update(new)
-                names |= dict.fromkeys(new)
+                names += [name for name in new if name not in names]
     asked_for = {run.name for plan in ordered for run in plan.runs()}
     missing = len(asked_for - found.keys())
-    return Tables(ordered, found, results, timings, list(names), missing)
+    return Tables(ordered, found, results, timings, names, missing)
 
 
 def write_tables(tables: Tables, folder: Path) -> list[Path]:

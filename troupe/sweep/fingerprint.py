@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,7 +41,17 @@ class Fingerprint:
 
     def holds(self) -> bool:
         """Whether the files are what they were."""
-        return all(stamp(Path(one[0])) == one for one in self.stamps)
+        return holds(self.stamps)
+
+
+def holds(stamps: Iterable[Stamp]) -> bool:
+    """Whether files are what they were."""
+    return all(stamp(Path(one[0])) == one for one in stamps)
+
+
+def hash_of(told: Mapping[str, Any]) -> str:
+    """The name that follows from all that is told."""
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:LENGTH]
 
 
 def fingerprint(loaded: LoadedWorld, duration: float, judges: Sequence[Judge] = ()) -> Fingerprint:
@@ -53,6 +63,9 @@ def fingerprint(loaded: LoadedWorld, duration: float, judges: Sequence[Judge] = 
         Path(name).resolve() for name in sources_of(loaded.root) if Path(name).is_file()
     }
     data = rebased(nodes.plain(loaded.root), loaded.root, loaded.folder)
+    if isinstance(data.get("controllers"), Mapping):  # what drives nobody changes no result
+        used = drivers(loaded)
+        data["controllers"] = {k: v for k, v in data["controllers"].items() if k in used}
     for key in NO_MATTER:
         data.pop(key, None)
     told: dict[str, Any] = {
@@ -63,8 +76,14 @@ def fingerprint(loaded: LoadedWorld, duration: float, judges: Sequence[Judge] = 
     if judges:
         told["judges"] = [[one.name, judge_digest(one, loaded.folder, files)] for one in judges]
     stamps = tuple(stamp(path) for path in sorted(files))
-    text = json.dumps(told, sort_keys=True)
-    return Fingerprint(hashlib.sha256(text.encode()).hexdigest()[:LENGTH], stamps)
+    return Fingerprint(hash_of(told), stamps)
+
+
+def drivers(loaded: LoadedWorld) -> set[str]:
+    """The names of the controllers that drive somebody."""
+    named = {robot.controller for robot in loaded.robots}
+    named |= {door.controller for door in loaded.layout.doors}
+    return {name for name in named if name is not None}
 
 
 def judge_digest(judge: Judge, folder: Path, files: set[Path]) -> str:
@@ -139,8 +158,13 @@ def _command(controller: Any, folder: Path, contents: Any) -> Any:
     return {**controller, "command": words}
 
 
-def digest_of(path: Path, folder: Path, files: set[Path]) -> str:
-    """A digest of a file; of a Python program with the modules beside it that it imports."""
+def digest_of(
+    path: Path, folder: Path, files: set[Path], leave: Callable[[Path], bool] = lambda path: False
+) -> str:
+    """A digest of a file; of a Python program with the modules beside it that it imports.
+
+    `leave(path)`: whether such a module is told otherwise.
+    """
     digest = hashlib.sha256()
     waiting, seen = [path], {path}
     parts = []
@@ -154,7 +178,7 @@ def digest_of(path: Path, folder: Path, files: set[Path]) -> str:
         parts.append(hashlib.sha256(data).hexdigest())
         if one.suffix == ".py":
             for found in imported(data, (one.parent, path.parent, folder)):
-                if found not in seen:
+                if found not in seen and not leave(found):
                     seen.add(found)
                     waiting.append(found)
     for part in [parts[0], *sorted(parts[1:])]:

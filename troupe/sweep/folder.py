@@ -34,7 +34,7 @@ SEALED_AFTER = 10_000
 """Lines of a batch."""
 
 FLUSH = 1.0
-"""Wall-clock seconds of work that a kill may cost a batch."""
+"""Wall-clock seconds that a record may wait for the disk, and seconds of work that may wait."""
 
 MANIFEST = {"format": 1, "what": "a sweep of troupe; see docs/sweeps.md"}
 
@@ -97,9 +97,10 @@ def sync_folder(folder: Path) -> None:
 
 def sweep_up(folder: Path) -> None:
     """Remove what processes of this machine that are gone have left half-written."""
-    places = [folder, folder / "plans", *(folder / "runs").glob("*/")]
-    for path in (path for place in places for path in place.glob(f"*.{platform.node()}-*.tmp")):
-        number = path.name.removesuffix(".tmp").rpartition("-")[2]
+    own = [folder / name for name in ("plans", "videos", "logs")]
+    places = [folder, *own, *(folder / "runs").glob("*/")]
+    for path in (path for place in places for path in place.glob(f"*.{platform.node()}-*.tmp*")):
+        number = path.name.partition(".tmp")[0].rpartition("-")[2]
         with contextlib.suppress(OSError, ValueError):
             if not is_alive(int(number)):
                 path.unlink()
@@ -140,10 +141,9 @@ def lines(folder: Path) -> Iterator[Line]:
     runs = folder / "runs"
     with contextlib.suppress(FileNotFoundError), os.scandir(runs) as entries:
         for entry in entries:
-            with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-                line = read_line((runs / entry.name / "result.json").read_bytes())
-                if line is not None and line.name == entry.name:
-                    yield line
+            line = line_of_run(folder, entry.name)
+            if line is not None:
+                yield line
     for path in sorted((folder / "batches").glob("*")):
         if path.suffix in (".jsonl", ".part"):
             with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
@@ -151,6 +151,15 @@ def lines(folder: Path) -> Iterator[Line]:
                     line = read_line(data)
                     if line is not None:
                         yield line
+
+
+def line_of_run(folder: Path, name: str) -> Line | None:
+    """The line of a run that has a file of its own, if that is whole."""
+    try:
+        line = read_line((folder / "runs" / name / "result.json").read_bytes())
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    return line if line is not None and line.name == name else None
 
 
 def records(folders: Iterable[Path]) -> dict[str, Line]:
@@ -182,6 +191,7 @@ class Keeper:
         self.number = 0
         self.digest = hashlib.sha256()
         self.synced = 0.0
+        self.waiting = 0.0  # seconds of work that are not on the disk
         self.batches = batches
         (folder / ("batches" if batches else "runs")).mkdir(exist_ok=True)
 
@@ -203,9 +213,10 @@ class Keeper:
         self.batch.write(data)
         self.number += 1
         self.digest.update(data)
+        self.waiting += record.get("seconds") or 0.0
         if self.number >= SEALED_AFTER:
             self.close()
-        elif time.monotonic() - self.synced > FLUSH:
+        elif self.waiting > FLUSH or time.monotonic() - self.synced > FLUSH:
             self.sync()
 
     def sync(self) -> None:
@@ -213,7 +224,7 @@ class Keeper:
         if self.batch is not None:
             self.batch.flush()
             os.fsync(self.batch.fileno())
-        self.synced = time.monotonic()
+        self.synced, self.waiting = time.monotonic(), 0.0
 
     def close(self) -> None:
         """Seal the batch: its last line says how many there are before it, and their SHA-256."""

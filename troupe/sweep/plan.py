@@ -12,7 +12,8 @@ from typing import Any
 from sim.build import LoadedWorld, load
 from sim.worldfile import WorldError
 from sim.worldfile.mistakes import MOST_TOLD, Mistake
-from troupe.sweep.fingerprint import Fingerprint, fingerprint
+from troupe.sweep.fingerprint import Fingerprint, drivers, fingerprint
+from troupe.sweep.functions import Function, arguments, function_mark, is_function
 from troupe.sweep.results import Judge
 from troupe.sweep.seeds import parse_seeds, written
 from troupe.sweep.spec import Combination
@@ -28,11 +29,16 @@ class Point:
 
     hash: str
     world: str  # as it was asked for
-    path: str  # absolute
+    path: str  # absolute: the world's file, or the folder that a function is called in
     settings: Mapping[str, Any]
-    duration: float
+    duration: float | None  # simulated seconds; a function has none
     seeds: tuple[int, ...]
     judges: tuple[Judge, ...] = ()
+
+    @property
+    def function(self) -> Function | None:
+        """The function that is run in a world's place, if it is one."""
+        return Function(self.world, self.path) if self.duration is None else None
 
 
 @dataclass(frozen=True)
@@ -141,13 +147,6 @@ def load_point(
     return loaded, fingerprint(loaded, most, judges), most
 
 
-def drivers(loaded: LoadedWorld) -> set[str]:
-    """The names of the controllers that drive somebody."""
-    named = {robot.controller for robot in loaded.robots}
-    named |= {door.controller for door in loaded.layout.doors}
-    return {name for name in named if name is not None}
-
-
 def make_plan(
     asked: Sequence[Combination],
     duration: float | None,
@@ -160,37 +159,83 @@ def make_plan(
     """
     points: dict[str, Point] = {}
     found: dict[str, list[Combination]] = {}  # a mistake's text: where it is
-    paths: dict[str, str] = {}
     for one in asked:
         try:
-            path = find_world(one.world)
-            if not path.is_file():
-                what = "a sweep reads its worlds many times: it must be a file"
-                raise WorldError([Mistake((), what, file=one.world)])
-            paths[one.world] = str(path.resolve())
-            loaded, mark, most = load_point(path, as_settings(one.settings), duration, judges)
+            check = function_point if is_function(one.world) else world_point
+            point = check(one, duration, judges)
         except WorldError as error:
             for mistake in error.mistakes:
-                found.setdefault(text_of(mistake), []).append(one)
+                found.setdefault(text_of(mistake, one), []).append(one)
             continue
-        seeds = (loaded.world.seed,) if one.seeds is None else one.seeds
-        known = points.get(mark.hash)
-        points[mark.hash] = (
-            Point(mark.hash, one.world, str(path.resolve()), one.settings, most, seeds, judges)
-            if known is None
-            else replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *seeds))))
-        )
+        known = points.get(point.hash)
+        if known is not None:
+            point = replace(known, seeds=tuple(dict.fromkeys((*known.seeds, *point.seeds))))
+        points[point.hash] = point
     if found:
         texts = [told(text, at, len(asked)) for text, at in found.items()]
         more = [f"... and {len(texts) - MOST_TOLD} more mistakes"] * (len(texts) > MOST_TOLD)
         raise UsageError("\n".join([*texts[:MOST_TOLD], *more]))
+    paths = {point.world: point.path for point in points.values()}
     return Plan(tuple(points.values()), {**about, "paths": paths})
 
 
-def text_of(mistake: Mistake) -> str:
-    """A mistake as a line, which is the same for all values of a setting if it is about the key."""
-    if mistake.file is not None and mistake.file.startswith("--set "):
-        return str(replace(mistake, file=mistake.file.partition("=")[0]))
+def world_point(
+    asked: Combination, duration: float | None, judges: tuple[Judge, ...] = ()
+) -> Point:
+    """A world with settings, checked; raises WorldError."""
+    path = find_world(asked.world)
+    if path.suffix == ".py":
+        what = "is a program; a sweep runs a function in it"
+        raise WorldError([Mistake((), what, None, f"{asked.world}:FUNCTION", asked.world)])
+    if not path.is_file():
+        what = "a sweep reads its worlds many times: it must be a file"
+        raise WorldError([Mistake((), what, file=asked.world)])
+    loaded, mark, most = load_point(path, as_settings(asked.settings), duration, judges)
+    seeds = (loaded.world.seed,) if asked.seeds is None else asked.seeds
+    place = str(path.resolve())
+    return Point(mark.hash, asked.world, place, asked.settings, most, seeds, judges)
+
+
+def function_point(
+    asked: Combination, duration: float | None, judges: tuple[Judge, ...] = ()
+) -> Point:
+    """A function with parameters, checked; raises WorldError."""
+    folder = str(Path.cwd())
+    function = Function(asked.world, folder)
+    mistakes = []
+    if duration is not None:
+        what = "a function has no simulated time of ours"
+        instead = "its own parameter, as --set duration=60"
+        mistakes.append(Mistake((), what, None, instead, "--duration"))
+    if judges:
+        what = "a function's run has no ticks to be judged; let it return what is to be told"
+        mistakes.append(Mistake((), what, file=str(judges[0])))
+    try:
+        arguments(function, asked.settings)
+        mark = function_mark(function, asked.settings)
+    except UsageError as error:
+        mistakes.append(Mistake((), str(error)))
+    except WorldError as error:
+        mistakes += error.mistakes
+    if mistakes:
+        raise WorldError(mistakes)
+    seeds = (0,) if asked.seeds is None else asked.seeds
+    return Point(mark.hash, asked.world, folder, asked.settings, None, seeds)
+
+
+def text_of(mistake: Mistake, asked: Combination) -> str:
+    """A mistake as a line, at the place where the setting was given.
+
+    It is the same for all values of a setting if it is about the key.
+    """
+    file = mistake.file or ""
+    if file.startswith("--set "):
+        option, _, _ = file.partition("=")
+        place = asked.places.get(option.removeprefix("--set "))
+        if place is None:
+            return str(replace(mistake, file=option))
+        line = place.line if mistake.given is not None or place.column is not None else None
+        return str(replace(mistake, file=place.file, line=line, column=place.column))
     return str(mistake)
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any, ClassVar
 
 from sim.result import DoorRecord, FloorRecord, Result, RobotRecord
@@ -68,15 +69,10 @@ class Each:
         if not colon or not function.isidentifier() or not module_name:
             raise UsageError(f"{self}: must be module:function, or FILE.py:function")
         try:
-            with first_place(self.folder):
-                if module_name.endswith(".py"):
-                    path = Path(self.folder, module_name)
-                    spec = importlib.util.spec_from_file_location(f"_each_{path.stem}", path)
-                    assert spec is not None
-                    assert spec.loader is not None
-                    module = importlib.util.module_from_spec(spec)
-                    spec.loader.exec_module(module)
-                else:
+            if module_name.endswith(".py"):
+                module = module_of(Path(self.folder, module_name))
+            else:
+                with first_place(self.folder):
                     module = importlib.import_module(module_name)
             found: Callable[..., Any] = getattr(module, function)
         except Exception as error:  # a module of the user's raises anything
@@ -109,6 +105,19 @@ class Judge(Each):
     option: ClassVar[str] = "--judge"
 
 
+def module_of(path: Path) -> ModuleType:
+    """A file as a module, which finds those beside it as a program does; raises what it raises."""
+    name = f"_each_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look for it there
+    with first_place(str(path.parent)):
+        spec.loader.exec_module(module)
+    return module
+
+
 @contextmanager
 def first_place(folder: str) -> Iterator[None]:
     """Within, modules are looked for in a folder first; our own have been found before."""
@@ -122,12 +131,13 @@ def first_place(folder: str) -> Iterator[None]:
 def added(each: Each, function: Callable[..., Any], record: Mapping[str, Any]) -> Any:
     """The columns that a function adds to a record's row; raises UsageError.
 
-    A mapping is several columns; any other value is one, of the function's name.
+    It is given the run's result, or the columns of a run that is a function's. A mapping is several
+    columns; any other value is one, of the function's name.
     """
-    if "robots" not in record:
+    if "robots" not in record and "columns" not in record:
         return {}
     try:
-        value = function(result_of(record))
+        value = function(result_of(record) if "robots" in record else dict(record["columns"]))
     except Exception as error:
         raise UsageError(
             f"{each}: {type(error).__name__}: {error} (for the run {record['name']})"

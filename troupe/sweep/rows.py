@@ -15,18 +15,25 @@ from troupe.sweep.plan import Plan
 MOST_ROBOTS = 32
 """Robots of a run up to which each has columns of its own for what it reported."""
 
+FOUND = "found."
+"""What a column of a function's begins with if the table has one of its name already."""
+
 JUDGED = "judged."
 """What the columns of judges begin with."""
 
 Row = dict[str, Any]
 
 
-def rows_of(plans: Sequence[Plan], found: Mapping[str, Line]) -> tuple[list[Row], list[Row]]:
+def rows_of(
+    plans: Sequence[Plan], found: Mapping[str, Line]
+) -> tuple[list[Row], list[Row], list[str]]:
     """The table of results and that of timings, both in the order of worlds, settings and seeds.
 
-    A run that several plans ask for is one row; one that has not been run has none.
+    A run that several plans ask for is one row; one that has not been run has none. Besides, the
+    names of the columns that judges and functions gave.
     """
     parameters = list(dict.fromkeys(k for plan in plans for p in plan.points for k in p.settings))
+    added: dict[str, None] = {}
     results: dict[str, Row] = {}
     timings: dict[str, Row] = {}
     for plan in plans:
@@ -38,6 +45,13 @@ def rows_of(plans: Sequence[Plan], found: Mapping[str, Line]) -> tuple[list[Row]
             row = {"world": run.point.world, "seed": run.seed}
             row |= {key: run.point.settings.get(key) for key in parameters}
             row |= {"hash": run.point.hash, **flat(record)}
+            given = {
+                f"{FOUND}{key}" if key in row else key: value
+                for key, value in record.get("columns", {}).items()
+            }
+            added |= dict.fromkeys(key for key in row if key.startswith(JUDGED))
+            added |= dict.fromkeys(given)
+            row |= given
             results[run.name] = row
             timings[run.name] = {
                 "hash": run.point.hash,
@@ -49,7 +63,7 @@ def rows_of(plans: Sequence[Plan], found: Mapping[str, Line]) -> tuple[list[Row]
                 **record["machine"],
             }
     order = sorted(results, key=lambda name: place_of(results[name], parameters))
-    return [results[name] for name in order], [timings[name] for name in order]
+    return [results[name] for name in order], [timings[name] for name in order], list(added)
 
 
 def place_of(row: Row, parameters: Sequence[str]) -> tuple[Any, ...]:

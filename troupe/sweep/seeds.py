@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sim.worldfile.mistakes import Mistake
+from troupe.usage import UsageError
 
 LARGEST = (1 << 63) - 1
 MOST = 10_000_000
@@ -11,7 +12,7 @@ MOST = 10_000_000
 ALLOWED = "numbers from 0 and ranges FIRST:END, as 0:100 for 0 to 99, between commas"
 
 
-class Unusable(ValueError):
+class Unusable(UsageError):
     """What somebody wrote cannot be used; `mistakes` says why."""
 
     def __init__(self, *mistakes: Mistake) -> None:

@@ -8,14 +8,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from troupe.sweep.cluster import run_on_cluster
-from troupe.sweep.folder import MANY, Keeper, done, open_folder, save_plan, sweep_up
+from troupe.sweep.folder import MANY, Keeper, done, line_of_run, open_folder, save_plan, sweep_up
 from troupe.sweep.plan import Plan, Run
 from troupe.sweep.pool import Record, Task, run_all
 from troupe.sweep.progress import Progress
 from troupe.sweep.task import task_of
 
-SAME_AGAIN = ("completed", "time_limit")
-"""Outcomes that would come again: simulated time does not depend on the machine."""
+FAILED = (
+    "controller_failed", "timeout", "crashed", "out_of_memory", "world_error", "error",
+)  # fmt: skip
+"""Outcomes that may be others another time. Simulated time does not depend on the machine, and what
+a function calls its outcome it would call so again."""
 
 
 class Changed(Exception):
@@ -62,17 +65,19 @@ def sweep(plan: Plan, folder: Path, how: How, stop: Callable[[], bool] = lambda:
     for run in plan.runs(how.shard):
         session.asked += 1
         outcome, tries = known.get(run.name, ("", 0))
-        if not outcome or (how.retry_failed and outcome not in SAME_AGAIN):
+        if not outcome or (how.retry_failed and outcome in FAILED):
             todo.append((run, tries))
         else:
             session.known[outcome] += 1
-    keeper = Keeper(folder, batches=plan.size >= MANY)
+    short = any(point.function is not None for point in plan.points)
+    keeper = Keeper(folder, batches=short or plan.size >= MANY)
     progress = Progress(len(todo), how.quiet)
 
     def tasks() -> Iterator[Task]:
         for run, tries in todo:
-            if tries == 0 and (folder / "runs" / run.name / "result.json").exists():
-                session.known["meanwhile"] += 1  # by another sweep into this folder
+            other = line_of_run(folder, run.name) if tries == 0 else None
+            if other is not None:  # by another sweep into this folder, meanwhile
+                session.known[other.outcome] += 1
             else:
                 yield task_of(run, tries + 1)
 

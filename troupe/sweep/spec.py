@@ -9,7 +9,9 @@ from typing import Any
 
 from sim.worldfile import nodes
 from sim.worldfile.mistakes import Mistake
+from sim.worldfile.nodes import Mark
 from sim.worldfile.reader import Unreadable, read_text
+from troupe.sweep.functions import is_function
 from troupe.sweep.samplers import Sampler, draw, multiplied
 from troupe.sweep.seeds import Unusable
 
@@ -19,16 +21,20 @@ MOST = 1_000_000
 
 @dataclass(frozen=True)
 class Row:
-    """One row of a table: settings, and its own world and seeds if it has any."""
+    """One row of a table: settings, and its own world and seeds if it has any, and its place."""
 
     settings: Mapping[str, Any]
     world: str | None = None
     seeds: tuple[int, ...] | None = None
+    place: Mark | None = None
 
 
 @dataclass(frozen=True)
 class Spec:
-    """A sweep before it is multiplied out. `rows` are a table's; None: there is no table."""
+    """A sweep before it is multiplied out. `rows` are a table's; None: there is no table.
+
+    `places`: where parameters stand that were not given on the command line.
+    """
 
     worlds: tuple[str, ...]
     seeds: tuple[int, ...] | None = None
@@ -36,16 +42,20 @@ class Spec:
     rows: tuple[Row, ...] | None = None
     samples: int = 1
     sampling_seed: int = 1
-    duration: float | None = None
+    places: Mapping[str, Mark] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Combination:
-    """A world with settings. `seeds`: None for the world's own seed."""
+    """A world with settings. `seeds`: None for the world's own seed.
+
+    `places`: where those settings stand that were not given on the command line.
+    """
 
     world: str
     settings: Mapping[str, Any]
     seeds: tuple[int, ...] | None
+    places: Mapping[str, Mark] = field(default_factory=dict)
 
 
 def parse_setting(text: str) -> tuple[str, Sampler]:
@@ -86,23 +96,34 @@ def combinations(spec: Spec) -> list[Combination]:
     if number > MOST:
         raise Unusable(Mistake((), f"{number} combinations are too many", None, f"{MOST}"))
     columns = dict.fromkeys(key for row in rows for key in row.settings)
-    mistakes = [
-        Mistake((key,), f"{what}; use {instead}", file=file)
-        for file, keys in (("--set", spec.parameters), ("--table", columns))
-        for key, what, instead in (
-            ("seed", "is no parameter of a sweep", "--seeds, or a column `seed`"),
-            ("duration", "is no parameter of a sweep", "--duration"),
-        )
-        if key in keys
-    ]
-    both = [key for key in columns if key in spec.parameters]
-    mistakes += [Mistake((key,), "is a column of the table too", file="--set") for key in both]
+    worlds = [world for world in (*spec.worlds, *(row.world for row in rows)) if world]
+    no_parameters = {"seed": "--seeds, or a column `seed`"}
+    if not worlds or not all(map(is_function, worlds)):
+        no_parameters["duration"] = "--duration"
+
+    def note(key: str, what: str, *, table: bool = False) -> None:
+        mark = None if table else spec.places.get(key)
+        place: tuple[Any, ...] = ("--table" if table else "--set", None, None)
+        mistakes.append(Mistake((key,), what, None, None, *(place if mark is None else mark)))
+
+    mistakes: list[Mistake] = []
+    for key, instead in no_parameters.items():
+        if key in spec.parameters:
+            note(key, f"is no parameter of a sweep; use {instead}")
+        if key in columns:
+            note(key, f"is no parameter of a sweep; use {instead}", table=True)
+    for key in columns:
+        if key in spec.parameters:
+            note(key, "is a column of the table too")
     if any(row.world is None for row in rows) and not spec.worlds:
         mistakes.append(Mistake((), "there is no world to run", None, "WORLD, or a column `world`"))
     if mistakes:
         raise Unusable(*mistakes)
     found = []
     for row in rows:
+        places = spec.places
+        if row.place is not None:
+            places = {**places, **dict.fromkeys(row.settings, row.place)}
         for world in (row.world,) if row.world is not None else spec.worlds:
             for values in itertools.product(*fixed.values()):
                 for sample in range(samples):
@@ -110,5 +131,5 @@ def combinations(spec: Spec) -> list[Combination]:
                     for key, sampler in drawn.items():
                         settings[key] = draw(sampler, key, spec.sampling_seed, sample)
                     seeds = row.seeds if row.seeds is not None else spec.seeds
-                    found.append(Combination(world, settings, seeds))
+                    found.append(Combination(world, settings, seeds, places))
     return found

@@ -11,9 +11,10 @@ from typing import Any
 
 from sim.worldfile import nodes
 from sim.worldfile.mistakes import Mistake, suggestion
-from sim.worldfile.nodes import MappingNode
+from sim.worldfile.nodes import MappingNode, Mark
 from sim.worldfile.reader import Unreadable, read_text
 from sim.worldfile.reading import NotRead, read_regular
+from troupe.sweep.functions import is_function
 from troupe.sweep.samplers import ALLOWED, Sampler, sampler_of
 from troupe.sweep.seeds import Unusable, parse_seeds
 from troupe.sweep.spec import Row
@@ -47,6 +48,8 @@ class FromFile:
     duration: float | None = None
     each: tuple[str, ...] = ()
     judge: tuple[str, ...] = ()
+    places: dict[str, Mark] = field(default_factory=dict)
+    """Where the parameters stand."""
 
 
 def read_sweep_file(path: Path) -> FromFile:
@@ -74,7 +77,8 @@ def read_sweep_file(path: Path) -> FromFile:
         notes.append(Mistake(where, what, None, allowed, *mark))
 
     def beside(name: str) -> str:
-        return str(path.parent / name) if (path.parent / name).exists() else name
+        file = name.rpartition(":")[0] if is_function(name) else name
+        return str(path.parent / name) if (path.parent / file).exists() else name
 
     data = nodes.plain(root)
     for key, value in data.items():
@@ -113,6 +117,8 @@ def read_sweep_file(path: Path) -> FromFile:
             note("must be a mapping of settings to their values", key)
         else:
             _parameters(value, found, note)
+            for name in value:
+                found.places[name] = nodes.mark_of(root, (key, name), at_key=True)
     if notes:
         raise Unusable(*notes)
     return found
@@ -184,7 +190,7 @@ def _row(cells: dict[str, str], file: str, line: int, notes: list[Mistake]) -> R
             node, mistakes = None, [error.mistake]
         notes += [Mistake((key,), one.what, text, None, file, line) for one in mistakes]
         settings[key] = None if node is None else nodes.plain(node)
-    return Row(settings, world, seeds)
+    return Row(settings, world, seeds, Mark(file, line, None))
 
 
 def is_sweep_file(name: str) -> bool:

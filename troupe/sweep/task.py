@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import platform
 import time
 import traceback
 from collections import OrderedDict, deque
@@ -18,6 +19,7 @@ from sim.fleet.fleet import Fleet
 from sim.run import run_world
 from sim.worldfile import WorldError
 from troupe.sweep.fingerprint import Fingerprint
+from troupe.sweep.functions import Function, call, function_mark
 from troupe.sweep.judging import Judging, judges_of
 from troupe.sweep.plan import Run, as_settings, load_point
 from troupe.sweep.versions import machine
@@ -31,7 +33,7 @@ MOST_LINES = 40
 MOST_WORLDS = 8
 """Worlds that are kept ready."""
 
-Ready = tuple[LoadedWorld, Fingerprint]
+Ready = tuple[LoadedWorld | Function, Fingerprint]
 
 
 class Stale(Exception):
@@ -55,20 +57,20 @@ def task_of(run: Run, tries: int = 1) -> dict[str, Any]:
 
 
 class Worlds:
-    """The worlds that were run last, read and checked."""
+    """The worlds that were run last, read and checked, and the functions in a world's place."""
 
     def __init__(self) -> None:
         self.ready: OrderedDict[str, Ready] = OrderedDict()
 
-    def get(self, task: Mapping[str, Any]) -> LoadedWorld:
-        """The task's world; raises Stale, or WorldError."""
+    def get(self, task: Mapping[str, Any]) -> LoadedWorld | Function:
+        """The task's world or function; raises Stale, WorldError or UsageError."""
         known = self.ready.get(task["hash"])
         if known is None or not known[1].holds():
-            settings = as_settings(task["settings"])
-            loaded, mark, _ = load_point(task["path"], settings, task["duration"], judges_of(task))
-            if mark.hash != task["hash"]:
-                raise Stale(f"{task['path']}: it, a file that it names or Troupe has been changed")
-            known = self.ready[task["hash"]] = (loaded, mark)
+            known = load(task)
+            if known[1].hash != task["hash"]:
+                shown = task["path"] if task["duration"] is not None else task["world"]
+                raise Stale(f"{shown}: it, a file that it names or Troupe has been changed")
+            self.ready[task["hash"]] = known
             if len(self.ready) > MOST_WORLDS:
                 self.ready.popitem(last=False)
         self.ready.move_to_end(task["hash"])
@@ -79,6 +81,16 @@ class Worlds:
         known = self.ready[task["hash"]]
         if not known[1].holds():
             self.get(task)
+
+
+def load(task: Mapping[str, Any]) -> Ready:
+    """A task's world or function, and its name as the files are now."""
+    if task["duration"] is None:
+        function = Function(task["world"], task["path"])
+        return function, function_mark(function, task["settings"])
+    settings = as_settings(task["settings"])
+    loaded, mark, _ = load_point(task["path"], settings, task["duration"], judges_of(task))
+    return loaded, mark
 
 
 def run_task(task: Mapping[str, Any], worlds: Worlds) -> dict[str, Any]:
@@ -95,7 +107,7 @@ def run_task(task: Mapping[str, Any], worlds: Worlds) -> dict[str, Any]:
         outcome, reason = "world_error", str(error.mistakes[0]) if error.mistakes else str(error)
     except MemoryError:
         outcome, reason = "out_of_memory", "there was no memory left"
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         outcome, reason = "error", f"{type(error).__name__}: {error}"
         said.extend(traceback.format_exc().splitlines())
     record = {
@@ -121,8 +133,10 @@ def run(
 ) -> tuple[dict[str, Any], str, str | None]:
     """A run's result, its outcome, and why it is none that is complete."""
     loaded = worlds.get(task)
-    if task.get("video"):
-        result = film(task, said)
+    if isinstance(loaded, Function):
+        return call(loaded, task["settings"], task["seed"])
+    if "video" in task or "log" in task:
+        result = record_again(task, said)
     else:
         if loaded.world.player.port:  # several runs cannot share it, and it changes no result
             player = loaded.world.player.model_copy(update={"port": 0})
@@ -140,22 +154,24 @@ def run(
     return result.as_json(), result.outcome, reason_of(result)
 
 
-def film(task: Mapping[str, Any], said: deque[str]) -> Result:
-    """The same run with a video, which is written aside."""
+def record_again(task: Mapping[str, Any], said: deque[str]) -> Result:
+    """The same run with a video or a log, which is written aside."""
     from troupe.running import run_file  # noqa: PLC0415 - the encoder, which few runs need
 
-    path = Path(task["video"])
-    aside = path.with_name(f"{path.stem}.{os.getpid()}.tmp.mp4")
+    path = Path(task.get("video") or task["log"])
+    aside = path.with_name(f"{path.stem}.{platform.node()}-{os.getpid()}.tmp{path.suffix}")
+    others = ["player.port=null", *(["log=null"] if "log" not in task else [])]
     try:
         done = run_file(
             task["path"],
             seed=task["seed"],
             duration=task["duration"],
-            settings=[*as_settings(task["settings"]), "player.port=null"],
-            video=aside,
+            settings=[*as_settings(task["settings"]), *others],
+            video=aside if "video" in task else None,
+            log=aside if "log" in task else None,
             say=said.append,
         )
-        if done.video_error is None and done.result.outcome != "interrupted":
+        if not done.broken and done.result.outcome != "interrupted":
             os.replace(aside, path)
         return done.result
     finally:

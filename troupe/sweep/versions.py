@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -14,7 +15,9 @@ from troupe import __version__
 ROOT = Path(__file__).resolve().parent.parent.parent
 PACKAGES = ("numpy", "numba", "pymunk", "opencv-python-headless")
 SOURCES = ("sim", "sensors", "player", "controllers")
-"""Our packages of which a result is made."""
+"""Our packages of which a world's result is made."""
+OTHERS = ("gridworld", "troupe")
+"""Those that a function may make use of besides."""
 
 
 @cache
@@ -29,11 +32,18 @@ def versions() -> dict[str, str]:
     return found
 
 
-def sources() -> str:
+@cache
+def all_versions() -> dict[str, str]:
+    """The same for what may make use of everything: of all our packages, and of our maps."""
+    return {**versions(), "sources": sources((*SOURCES, *OTHERS), (".py", ".txt"))}
+
+
+def sources(packages: Sequence[str] = SOURCES, endings: Sequence[str] = (".py",)) -> str:
     """A digest of our own sources: a checkout changes without its version."""
     digest = hashlib.sha256()
-    for name in SOURCES:
-        for path in sorted((ROOT / name).rglob("*.py")):
+    for name in packages:
+        paths = (path for path in (ROOT / name).rglob("*.*") if path.suffix in endings)
+        for path in sorted(paths):
             digest.update(str(path.relative_to(ROOT)).encode() + b"\0")
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:16]

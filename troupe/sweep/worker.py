@@ -23,12 +23,14 @@ def main() -> None:
     """`worker.py ROOT`: work until standard input ends."""
     sys.path.insert(0, sys.argv[1])
     faulthandler.enable()
+    asked = os.fdopen(os.dup(0), encoding="utf-8")
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # what the user's code reads is no task
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what a sensor of the user's prints is no answer
+    os.dup2(2, 1)  # what it prints is no answer
     tasks: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
     def listen() -> None:
-        for line in sys.stdin:
+        for line in asked:
             tasks.put(json.loads(line))
         os._exit(0)  # also in the middle of a run: the fork server sees it, and ends the rest
 

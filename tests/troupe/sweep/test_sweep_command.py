@@ -12,7 +12,9 @@ import pytest
 from tests.patience import PATIENCE
 from tests.processes import ROOT, all_gone, environment, troupe_command
 from tests.troupe.sweep.sweeping import driven_world, quiet_world, troupe
+from troupe.log import Log as read_log
 from troupe.sweep.asked import asked_plan
+from troupe.sweep.collect import gather
 
 
 def test_shards_of_their_own_folders_are_put_together(tmp_path: Path) -> None:
@@ -35,6 +37,15 @@ def test_shards_of_their_own_folders_are_put_together(tmp_path: Path) -> None:
     for name in ("results.csv", "results.parquet"):
         found = [(tmp_path / place / name).read_bytes() for place in ("all", "whole")]
         assert found[0] == found[1]
+
+
+def test_a_table_may_name_the_worlds(tmp_path: Path) -> None:
+    (tmp_path / "rows.csv").write_text(f"world,seed\n{quiet_world(tmp_path)},0:2\n")
+    done = troupe("sweep", "--table", tmp_path / "rows.csv", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "2 runs of 1 combinations" in done.stdout
+    done = troupe("sweep", "--out", tmp_path / "none")
+    assert (done.returncode, "there is no world to run" in done.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(
@@ -60,6 +71,33 @@ def test_bad_usage_is_told_before_anything_is_run(
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
+    words = ("--seeds", "x", "--set", "foo", "--set", "clock.interval=-1", "--jobs", "0",
+             "--shard", "3/2", "--timeout", "0", "--each", "nowhere:f", "--judge", "nobody:g",
+             "--video-of", "some", "--log-of", "0", "--duration", "-1")  # fmt: skip
+    done = troupe("sweep", quiet_world(tmp_path), "wandr", *words)
+    assert done.returncode == 2
+    for said in ("--out", "--seeds", "foo", "clock.interval", "--jobs", "--shard", "--timeout",
+                 "nowhere", "nobody", "--video-of", "--log-of", "--duration",
+                 "mean wander"):  # fmt: skip
+        assert said in done.stderr
+
+
+def test_a_mistake_is_told_where_the_setting_stands(tmp_path: Path) -> None:
+    world = quiet_world(tmp_path)
+    table, file = tmp_path / "rows.csv", tmp_path / "sweep.yaml"
+    table.write_text("robots.0.count,foo\n1,\nx,\n2,3\n")
+    file.write_text(f"worlds: {world}\nparameters:\n  clock.intervall: 0.1\n  duration: 3\n")
+    done = troupe("sweep", world, "--table", table, "--out", tmp_path / "out")
+    assert f"{table}:3: robots.0.count: must be a whole number (given: x)" in done.stderr
+    assert f"{table}: foo: unknown key" in done.stderr
+    done = troupe("sweep", file, "--out", tmp_path / "out")
+    assert f"{file}:4:3: duration: is no parameter of a sweep" in done.stderr
+    file.write_text(file.read_text().replace("  duration: 3\n", ""))
+    done = troupe("sweep", file, "--out", tmp_path / "out")
+    assert f"{file}:3:3: clock.intervall: unknown key" in done.stderr
 
 
 def test_an_option_that_means_nothing_to_collect_is_a_mistake(tmp_path: Path) -> None:
@@ -107,6 +145,27 @@ def test_videos_are_made_of_chosen_runs(tmp_path: Path) -> None:
     (video,) = (out / "videos").iterdir()
     assert video.name.endswith("-s3.mp4")
     assert video.stat().st_size > 1000
+
+
+def test_logs_are_kept_of_chosen_runs(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = ("--seeds", "3:6", "--set", "clock.interval=0.1,0.05", "--out", out)
+    done = troupe("sweep", quiet_world(tmp_path), *words, "--log-of", "first")
+    assert done.returncode == 0, done.stderr
+    assert "2 logs are in" in done.stdout
+    found = {read_log(path).result["digest"] for path in (out / "logs").iterdir()}
+    rows = gather([out]).results
+    assert found == {row["digest"] for row in rows if row["seed"] == 3}
+    assert len(found) == 2
+
+
+def test_nothing_is_left_of_a_log_that_took_too_long(tmp_path: Path) -> None:
+    endless = "import time\nfrom player import PlayerClient\nPlayerClient()\ntime.sleep(1e6)\n"
+    world, out = driven_world(tmp_path, endless), tmp_path / "out"
+    done = troupe("sweep", world, "--out", out, "--timeout", "0.5", "--log-of", "failed")
+    assert done.returncode == 0
+    assert "took longer than 0.5 s" in done.stderr
+    assert list((out / "logs").iterdir()) == []
 
 
 def test_the_sweep_file_in_the_documents_is_in_order(tmp_path: Path) -> None:

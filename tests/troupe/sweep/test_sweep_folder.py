@@ -46,6 +46,15 @@ def test_what_was_put_is_there(tmp_path: Path, batches: bool) -> None:
     assert not list(tmp_path.rglob("*.part"))
 
 
+def test_a_long_run_in_a_batch_does_not_wait_for_the_next_one(tmp_path: Path) -> None:
+    rooms.open_folder(tmp_path)
+    keeper = rooms.Keeper(tmp_path, batches=True)
+    keeper.sync()
+    keeper.put({**record(0), "seconds": 2.5})
+    assert record(0)["name"] in rooms.done(tmp_path)
+    keeper.close()
+
+
 @given(cut=st.integers(0, 2000))
 def test_of_a_batch_that_was_cut_every_whole_line_counts(
     tmp_path_factory: pytest.TempPathFactory, cut: int

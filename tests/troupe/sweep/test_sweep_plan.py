@@ -49,6 +49,17 @@ def test_another_program_or_module_of_it_makes_other_runs(world: Path, name: str
     assert hash_of(world) != before
 
 
+def test_a_program_that_drives_nobody_does_not_matter(world: Path) -> None:
+    (world.parent / "third.py").write_text("speed = 1\n")
+    before = hash_of(world)
+    both = ("controllers.third.program=./third.py",)
+    assert hash_of(world, *both) == before
+    other = hash_of(world, *both, "robots.0.controller=third")
+    (world.parent / "third.py").write_text("speed = 2\n")
+    assert hash_of(world, *both) == before
+    assert hash_of(world, *both, "robots.0.controller=third") != other
+
+
 def test_settings_and_duration_make_other_runs(world: Path) -> None:
     hashes = [hash_of(world), hash_of(world, "clock.interval=0.05"), hash_of(world, duration=1.0)]
     assert len(set(hashes)) == 3
