@@ -29,8 +29,8 @@ COLOR = attrgetter("color")
 class News:
     """Knows what a log has been told of a run's robots, and finds what is new.
 
-    names: the robots', as ROS takes them. records: theirs in the result. colors: bytes of (n,)
-    uint32.
+    names: the robots', as ROS takes them. records: theirs in the result. colors: (n,) uint32,
+    written in place until robots enter.
     """
 
     def __init__(self, loaded: LoadedWorld) -> None:
@@ -38,7 +38,7 @@ class News:
         self.time = 0.0  # simulated seconds, when one last looked
         self.names: list[str] = []
         self.records: list[RobotRecord] = []
-        self.colors = b""
+        self.colors = np.zeros(0, np.uint32)
         self._lines: list[tuple[float, str]] = []  # for people, not yet in the log
         self._said: list[list[tuple[float, str]]] = []
         self._said_so_far = 0
@@ -46,6 +46,7 @@ class News:
         self._properties: list[dict[str, Any]] = []
         self._states: list[Any] = []
         self._colors: list[int] = []
+        self._shown = b""  # the colours of all that shows
         self._drawn: dict[int, list[Any]] = {}
         self._flags: Any = self
         self._known = (-1, -1)  # changes and ends that there had been when one last looked
@@ -105,9 +106,10 @@ class News:
         if self._lines:
             lines, self._lines = self._lines, []
             events += [self.line_event(*line) for line in lines]
-        colors = list(map(COLOR, engine.robots))
-        if colors != self._colors:
-            self.recolored(colors, events)
+        shown = engine.scenery.scene.colors.tobytes()
+        if shown != self._shown or len(self.colors) != len(self.records):
+            self._shown = shown
+            self.recolored(list(map(COLOR, engine.robots)), events)
 
     def changed(self, engine: Engine, events: list[Event]) -> None:
         """Events of what else is new besides the bodies' motion."""
@@ -197,7 +199,9 @@ class News:
         if bodies:
             events.append(body_event(self.time, bodies))
         self._colors = colors
-        self.colors = np.array(colors, np.uint32).tobytes()
+        if len(self.colors) != len(colors):
+            self.colors = np.zeros(len(colors), np.uint32)
+        self.colors[:] = colors
 
     def drawings(self, robots: Sequence[Robot], tick: int) -> list[Event]:
         events = []

@@ -1,4 +1,4 @@
-"""The log's one hook into a run: after every tick it copies the engine's state for the writer."""
+"""The log's one hook into a run: after every tick the engine's state is noted for the writer."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.log import commands
 from sim.log.errors import LogError
 from sim.log.events import News
-from sim.log.moment import Event, Floor, TickState
+from sim.log.moment import Floor, Painted, Touched
 from sim.log.scene import map_event, wall_event
 from sim.log.sensed import ALL, Sensed
+from sim.log.tape import Sheet, Source, Tape
 from sim.log.world import attachments
 from sim.log.writer import LogWriter
 from sim.strictjson import dumps
@@ -37,7 +39,12 @@ def open_log(
     `odometry`, `commands`). about: what runs, as texts. Raises LogError for what cannot be.
     """
     check_request(path, loaded, sensors)
-    writer = LogWriter(path, f"troupe {about.get('version', '')}".strip(), about)
+    writer = LogWriter(
+        path,
+        f"troupe {about.get('version', '')}".strip(),
+        about,
+        with_twists=ALL in sensors or "commands" in sensors,
+    )
     try:
         for name, kind, data in attachments(loaded):
             writer.attach(name, kind, data)
@@ -45,7 +52,6 @@ def open_log(
         writer.close({})
         path.unlink(missing_ok=True)
         raise
-    writer.tick_blocks.with_twists = ALL in sensors or "commands" in sensors
     return Recorder(writer, loaded, frozenset(sensors))
 
 
@@ -68,7 +74,7 @@ def check_request(path: Path, loaded: LoadedWorld, sensors: Sequence[str]) -> No
 
 
 class Recorder:
-    """Hands the writer a copy of each tick's state, and events where something has changed."""
+    """Notes each tick's state on the writer's tapes, and hands it what has happened besides."""
 
     def __init__(self, writer: LogWriter, loaded: LoadedWorld, sensors: frozenset[str]) -> None:
         self.writer = writer
@@ -83,10 +89,13 @@ class Recorder:
         self.floor: Floor | None = None
         self.sprayed = False
         self.movables = len(loaded.layout.movables)
+        self.movable_poses = np.zeros((self.movables, 3))
+        self.tape: Tape | None = None
+        self.commands = commands.fresh(0)  # the last ones that were noted
         self.low = loaded.layout.low
         self.wants_odometry = self.sensed.wants("odometry")
         for event in (wall_event(loaded.layout), map_event(loaded.layout)):
-            writer.put(event, 0)
+            writer.put(event)
 
     def line(self, text: str) -> None:
         """Keep a line that was meant for people, of whatever thread."""
@@ -98,46 +107,66 @@ class Recorder:
             self.tell()
             return
         stage, scenery = engine.scenery.stage, engine.scenery
-        events = self.events(engine)
+        for event in self.news.since(engine):
+            self.writer.put(event)
         coverage = math.nan
-        painted: Sequence[tuple[int, int, NDArray[np.int16]]] = ()
         if self.sprayed or engine.spraying.on:
             painted = self.windows(engine)
+            self.writer.put(
+                Painted(engine.ticks, engine.time, painted),
+                sum(window.nbytes for _, _, window in painted),
+            )
         if self.floor is not None and scenery.floor.painted_area > 0.0:
             coverage = scenery.floor.coverage
-        contacts = stage.contact_counts.tobytes()
-        touched = None
+        counts = stage.contact_counts
+        contacts = counts.tobytes()
         if contacts != self.contacts:
+            before = np.frombuffer(self.contacts, counts.dtype)
+            began = np.flatnonzero(counts[: len(before)] != before)
+            more = np.flatnonzero(counts[len(before) :]) + len(before)
             robots, points = stage.contact_points
-            touched, self.contacts = (robots.copy(), points.copy()), contacts
-        movers = b""
-        if stage.told != self.told:
-            movers, self.told = stage.records.tobytes(), stage.told
-        state = TickState(
-            engine.ticks,
-            engine.time,
-            coverage,
-            len(self.news.records),
-            self.news.colors,
-            stage.poses.tobytes(),
-            stage.velocities.tobytes(),
-            stage.stalls.tobytes(),
-            contacts,
-            movers,
-            stage.movable_poses.tobytes() if self.movables else b"",
-            scenery.odometry.poses.copy() if self.wants_odometry else None,
-            self.sensed.fans(scenery.suite, self.news.names) if self.sensed.wanted else (),
-            events or (),  # rather than many empty lists, which the garbage collector looks into
-            painted,
-            touched,
-        )
-        self.writer.put(state, size_of(state))
+            began = np.concatenate([began, more])
+            self.writer.put(Touched(engine.ticks, engine.time, began, robots.copy(), points.copy()))
+            self.contacts = contacts
+        if self.movables:
+            self.movable_poses[:] = stage.movable_poses
+        tape = self.tape
+        if (
+            tape is None
+            or stage.count != tape.sheet.robots
+            or (self.sensed.wanted and self.sensed.moved(scenery.suite))
+        ):
+            tape = self.tape = self.writer.tape(self.sheet(engine))
+        told, self.told = stage.told != self.told, stage.told
+        if not tape.note(engine.ticks, engine.time, coverage, told):
+            tape = self.tape = self.writer.tape(tape.sheet, tape)
+            tape.note(engine.ticks, engine.time, coverage, told)
+
+    def sheet(self, engine: Engine) -> Sheet:
+        """What is to be noted of each tick from now on."""
+        stage, scenery = engine.scenery.stage, engine.scenery
+        news = self.news
+        new = stage.count - len(self.commands)
+        self.commands = np.concatenate([self.commands, commands.fresh(new)])
+        sources = [
+            Source("poses", stage.poses),
+            Source("velocities", stage.velocities),
+            Source("contacts", stage.contact_counts),
+            Source("stalls", stage.stalls),
+            Source("colors", news.colors),
+            Source("movables", self.movable_poses),
+        ]
+        if self.wants_odometry:
+            sources.append(Source("odometry", scenery.odometry.poses))
+        readings, read = self.sensed.look(scenery.suite, news.names)
+        sources += readings
+        return Sheet(news.names, sources, stage.records, self.commands, self.movables, read)
 
     def finish(self, engine: Engine | None, result: Result | None) -> None:
         """Write the rest and the result; the file is whole."""
         if engine is not None and self.writer.error is None:
-            for event in self.events(engine, last=True):
-                self.writer.put(event, 0)
+            for event in self.news.since(engine, last=True):
+                self.writer.put(event)
         rest = {} if result is None else {"result.json": dumps(result.as_json()).encode()}
         self.writer.close(rest)
         self.tell()
@@ -148,21 +177,13 @@ class Recorder:
             complain, self.complain = self.complain, None
             complain(self.writer.error)
 
-    def events(self, engine: Engine, *, last: bool = False) -> list[Event]:
-        """What is new beside the bodies' motion; the writer is told who is new first."""
-        known = len(self.news.names)
-        events = self.news.since(engine, last=last)
-        if len(self.news.names) != known:
-            self.writer.put(list(self.news.names), 0)
-        return events
-
     def windows(self, engine: Engine) -> list[tuple[int, int, NDArray[np.int16]]]:
         """Copies of the floor around all that may have been painted in this tick."""
         floor, stage = engine.scenery.floor, engine.scenery.stage
         owner, cell = floor.owner, floor.resolution
         if self.floor is None:
             self.floor = Floor(owner.shape[0], owner.shape[1], cell, self.low)
-            self.writer.put(self.floor, 0)
+            self.writer.put(self.floor)
         self.sprayed = bool(engine.spraying.on)
         gone = stage.distances
         found = []
@@ -184,15 +205,3 @@ class Recorder:
         self.distances = gone.copy()
         return found
 
-
-def size_of(state: TickState) -> int:
-    """Bytes that a state takes, roughly: those that it makes in a chunk, or what waits with it."""
-    size = 300 + len(state.movers) + 8 * len(state.velocities)
-    if state.fans:
-        for fans in state.fans:
-            size += fans.ranges.nbytes + len(fans.blobs)
-    if state.odometry is not None:
-        size += 800 * len(state.odometry)
-    if state.painted:
-        size += sum(window.nbytes for _, _, window in state.painted)
-    return size
