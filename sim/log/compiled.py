@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sensors.compiled import compiled, forget_stale_code, inlined
+from sensors.compiled import compiled, forget_stale_code, quick
 
-__all__ = ["compiled", "inlined"]
+__all__ = ["compiled", "quick"]
 
 forget_stale_code(Path(__file__).parent)

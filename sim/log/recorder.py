@@ -16,7 +16,7 @@ from sim.log.events import News
 from sim.log.moment import Floor, Painted, Touched
 from sim.log.scene import map_event, wall_event
 from sim.log.sensed import ALL, Sensed
-from sim.log.tape import Sheet, Source, Tape
+from sim.log.tape import WATCH, Sheet, Source, Tape
 from sim.log.world import attachments
 from sim.log.writer import LogWriter
 from sim.strictjson import dumps
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from sim.engine import Engine
     from sim.result import Result
 
+CONTACTS, COLORS = 2, 1
+"""Of the bits for what is watched."""
+NO_PAINT = math.nan
 OF_ROBOTS = ("odometry", "commands")
 """What a log can hold of all robots besides their sensors' readings."""
 
@@ -83,7 +86,8 @@ class Recorder:
         self.news = News(loaded)
         self.sensed = Sensed(sensors)
         self.distances = np.zeros(0)
-        self.contacts = b""
+        self.count = 0  # robots of which the tape has rows
+        self.counted = np.zeros(0, np.int64)  # contacts, when some began last
         self.told = -1  # the stage's count of commands when they were last looked at
         self.reach: dict[tuple[int, int], float] = {}
         self.floor: Floor | None = None
@@ -93,6 +97,7 @@ class Recorder:
         self.tape: Tape | None = None
         self.commands = commands.fresh(0)  # the last ones that were noted
         self.low = loaded.layout.low
+        self.keeps_readings = bool(sensors)
         self.wants_odometry = self.sensed.wants("odometry")
         for event in (wall_event(loaded.layout), map_event(loaded.layout)):
             writer.put(event)
@@ -102,65 +107,81 @@ class Recorder:
         self.news.line(text)
 
     def each_tick(self, engine: Engine) -> None:
-        """Take the state at the end of a tick."""
+        """Note the state at the end of a tick."""
         if self.writer.error is not None:
             self.tell()
             return
-        stage, scenery = engine.scenery.stage, engine.scenery
-        for event in self.news.since(engine):
-            self.writer.put(event)
-        coverage = math.nan
+        scenery = engine.scenery
+        stage, tape = scenery.stage, self.tape
+        if self.news.any(engine):
+            for event in self.news.since(engine):
+                self.writer.put(event)
         if self.sprayed or engine.spraying.on:
-            painted = self.windows(engine)
-            self.writer.put(
-                Painted(engine.ticks, engine.time, painted),
-                sum(window.nbytes for _, _, window in painted),
-            )
-        if self.floor is not None and scenery.floor.painted_area > 0.0:
-            coverage = scenery.floor.coverage
-        counts = stage.contact_counts
-        contacts = counts.tobytes()
-        if contacts != self.contacts:
-            before = np.frombuffer(self.contacts, counts.dtype)
-            began = np.flatnonzero(counts[: len(before)] != before)
-            more = np.flatnonzero(counts[len(before) :]) + len(before)
-            robots, points = stage.contact_points
-            began = np.concatenate([began, more])
-            self.writer.put(Touched(engine.ticks, engine.time, began, robots.copy(), points.copy()))
-            self.contacts = contacts
+            self.paint(engine)
         if self.movables:
             self.movable_poses[:] = stage.movable_poses
-        tape = self.tape
         if (
             tape is None
-            or stage.count != tape.sheet.robots
-            or (self.sensed.wanted and self.sensed.moved(scenery.suite))
+            or stage.count != self.count
+            or (self.keeps_readings and self.sensed.moved(scenery.suite))
         ):
             tape = self.tape = self.writer.tape(self.sheet(engine))
+        coverage = NO_PAINT
+        if self.floor is not None and scenery.floor.painted_area > 0.0:
+            coverage = scenery.floor.coverage
         told, self.told = stage.told != self.told, stage.told
-        if not tape.note(engine.ticks, engine.time, coverage, told):
+        changes = tape.note(engine.ticks, self.news.time, coverage, told)
+        if changes < 0:
             tape = self.tape = self.writer.tape(tape.sheet, tape)
-            tape.note(engine.ticks, engine.time, coverage, told)
+            changes = tape.note(engine.ticks, self.news.time, coverage, told)
+        if changes:
+            self.changed(engine, changes)
+
+    def changed(self, engine: Engine, changes: int) -> None:
+        """Tell of sources that are watched and not as they were."""
+        if changes & CONTACTS:
+            self.touched(engine)
+        if changes & COLORS:
+            for event in self.news.recolored(engine):
+                self.writer.put(event)
+
+    def touched(self, engine: Engine) -> None:
+        """Tell who began to touch something, and where."""
+        stage = engine.scenery.stage
+        counts = stage.contact_counts.copy()
+        before = np.zeros_like(counts)
+        before[: len(self.counted)] = self.counted
+        self.counted = counts
+        robots, points = stage.contact_points
+        began = np.flatnonzero(counts != before)
+        self.writer.put(Touched(engine.ticks, engine.time, began, robots.copy(), points.copy()))
 
     def sheet(self, engine: Engine) -> Sheet:
         """What is to be noted of each tick from now on."""
-        stage, scenery = engine.scenery.stage, engine.scenery
-        news = self.news
-        new = stage.count - len(self.commands)
-        self.commands = np.concatenate([self.commands, commands.fresh(new)])
+        stage, scene = engine.scenery.stage, engine.scenery.scene
+        self.count = stage.count
+        self.commands = np.concatenate(
+            [self.commands, commands.fresh(self.count - len(self.commands))]
+        )
+        counts, colors = stage.contact_counts, scene.colors
+        seen = np.zeros_like(counts)
+        seen[: len(self.counted)] = self.counted
+        entities = np.array([robot.entity for robot in engine.robots], np.int64)
         sources = [
             Source("poses", stage.poses),
             Source("velocities", stage.velocities),
-            Source("contacts", stage.contact_counts),
+            Source("contacts", counts),
             Source("stalls", stage.stalls),
-            Source("colors", news.colors),
+            Source("colors", colors, rows=entities),
             Source("movables", self.movable_poses),
+            Source("new contacts", counts, WATCH, other=seen),
+            Source("new colors", colors, WATCH, other=~colors),  # as if all were new
         ]
         if self.wants_odometry:
-            sources.append(Source("odometry", scenery.odometry.poses))
-        readings, read = self.sensed.look(scenery.suite, news.names)
+            sources.append(Source("odometry", engine.scenery.odometry.poses))
+        readings, read = self.sensed.look(engine.scenery.suite, self.news.names)
         sources += readings
-        return Sheet(news.names, sources, stage.records, self.commands, self.movables, read)
+        return Sheet(self.news.names, sources, stage.records, self.commands, self.movables, read)
 
     def finish(self, engine: Engine | None, result: Result | None) -> None:
         """Write the rest and the result; the file is whole."""
@@ -176,6 +197,12 @@ class Recorder:
         if self.complain is not None and self.writer.error is not None:
             complain, self.complain = self.complain, None
             complain(self.writer.error)
+
+    def paint(self, engine: Engine) -> None:
+        """Hand over the floor where it may have been painted in this tick."""
+        windows = self.windows(engine)
+        size = sum(window.nbytes for _, _, window in windows)
+        self.writer.put(Painted(engine.ticks, engine.time, windows), size)
 
     def windows(self, engine: Engine) -> list[tuple[int, int, NDArray[np.int16]]]:
         """Copies of the floor around all that may have been painted in this tick."""

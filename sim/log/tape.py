@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.log.compiled import compiled
+from sim.log.compiled import compiled, quick
 from sensors.readings import BLOB
 from sim.log import commands
 from sim.log.memory import (
@@ -36,10 +36,10 @@ LENGTH, TICK, TIME, COVERAGE, TOLD, TOLD_AT, HEAD = range(0, 56, 8)
 floor; how many commands it has, and where in it they stand."""
 TELLING = 8 * (1 + commands.WIDTH)
 """Bytes of a command: whose it is (int64), and its numbers."""
-COPY, NARROW, BLOBS = range(3)
+COPY, NARROW, BLOBS, WATCH = range(4)
 """What is done with a source: its bytes are copied; its float64 made float32; of each row of blobs
-as many are copied as there are."""
-SOURCE = 8
+as many are copied as there are; it is not noted, but compared with what it was."""
+SOURCE = 7
 """Numbers that tell of a source: see `Source.numbers`."""
 FIELDS, SOURCES = 6, 6 + commands.WIDTH
 """Where these begin in a plan: the places of a command's numbers in MOVER, and the sources."""
@@ -54,8 +54,8 @@ class Source(NamedTuple):
     action: int = COPY
     rows: NDArray[np.int64] | None = None
     """(k,) those that are noted; None: all."""
-    counts: NDArray[np.int64] | None = None
-    """Of BLOBS: how many each row has."""
+    other: NDArray[Any] | None = None
+    """Of BLOBS: how many each row has, int64. Of WATCH: what was seen last; it is written."""
 
     @property
     def number(self) -> int:
@@ -65,11 +65,13 @@ class Source(NamedTuple):
     @property
     def width(self) -> int:
         """Bytes of a row of the array."""
-        return int(self.array.strides[0])
+        return int(self.array.nbytes if self.action == WATCH else self.array.strides[0])
 
     @property
     def size(self) -> int:
         """Bytes that it has in a row of the tape: of BLOBS the counts, and where the blobs are."""
+        if self.action == WATCH:
+            return 0
         if self.action == BLOBS:
             return 8 * (self.number + 1)
         return self.number * self.width // (2 if self.action == NARROW else 1)
@@ -77,8 +79,8 @@ class Source(NamedTuple):
     def numbers(self, at: int) -> list[int]:
         """What the compiled code is told of it; `at`: its offset in a row of the tape."""
         rows = 0 if self.rows is None else address_of(self.rows)
-        counts = 0 if self.counts is None else address_of(self.counts)
-        return [self.action, at, address_of(self.array), self.width, rows, self.number, counts, 0]
+        other = 0 if self.other is None else address_of(self.other)
+        return [self.action, at, address_of(self.array), self.width, rows, self.number, other]
 
 
 class Sheet:
@@ -131,27 +133,26 @@ class Tape:
     def __init__(self, sheet: Sheet, memory: NDArray[np.uint8]) -> None:
         self.sheet = sheet
         self.memory = memory
-        self.base = address_of(memory)
-        self.room = len(memory)
-        self.end = 0
+        self.base, self.room = address_of(memory), len(memory)
+        self.plan = sheet.plan
+        self.place = np.array([self.base, 0, self.room], np.int64)
+
+    @property
+    def end(self) -> int:
         """Bytes of complete rows."""
+        return int(self.place[1])
 
-    def note(self, tick: int, time: float, coverage: float, told: bool) -> bool:
-        """Add a row; False, and nothing is noted, where there is no room for it.
+    def note(self, tick: int, time: float, coverage: float, told: bool) -> int:
+        """Add a row; -1, and nothing is noted, where there is no room for it.
 
-        time: simulated seconds. told: whether robots may have got other commands.
+        time: simulated seconds. told: whether robots may have got other commands. Returns bits:
+        the first one for the first watched source, if it is not as it was, and so on.
         """
-        end = noted(
-            self.sheet.plan, self.base, self.end, self.room, tick, time, coverage, told
-        )
-        if end < 0:
-            return False
-        self.end = end
-        return True
+        return int(noted(self.plan, self.place, tick, time, coverage, told))
 
     def need(self) -> int:
         """Bytes that a row may take now."""
-        return int(needed(self.sheet.plan, True))
+        return int(needed(self.plan, True))
 
 
 @compiled
@@ -170,40 +171,53 @@ def needed(plan: NDArray[np.int64], told: bool) -> int:
     return size
 
 
-@compiled
+@quick
 def noted(
     plan: NDArray[np.int64],
-    base: int,
-    at: int,
-    room: int,
+    place: NDArray[np.int64],
     tick: int,
     time: float,
     coverage: float,
     told: bool,
 ) -> int:
-    """Write a row; where it ends, or -1 if it has no room."""
-    if at + needed(plan, told) > room:
+    """Write a row where a tape's `place` (its address, its end, its room) says, and move the end."""
+    if place[1] + needed(plan, told) > place[2]:
         return -1
-    row = base + at
-    end = plan[4]
+    row = place[0] + place[1]
+    end, changes = plan[4], 0
     put_long(row + TICK, tick)
     put_long(row + TIME, np.int64(np.rint(time * 1e9)))
     put_float(row + COVERAGE, coverage)
     for k in range(plan[5]):
-        end = _note_source(plan[SOURCES + SOURCE * k : SOURCES + SOURCE * (k + 1)], row, end)
+        source = SOURCES + SOURCE * k
+        if plan[source] == WATCH:
+            changes = 2 * changes + _changed(plan[source + 2], plan[source + 6], plan[source + 3])
+        else:
+            end = _note_source(plan, source, row, end)
     count = _note_commands(plan, row + end) if told else 0
     put_long(row + TOLD, count)
     put_long(row + TOLD_AT, end)
     end += count * TELLING
     put_long(row + LENGTH, end)
-    return at + end
+    place[1] += end
+    return changes
 
 
 @compiled
-def _note_source(source: NDArray[np.int64], row: int, end: int) -> int:
+def _changed(address: int, seen: int, size: int) -> int:
+    """1 if so many bytes are not as they were seen last: then they are seen; else 0."""
+    for k in range(size):
+        if get_byte(address + k) != get_byte(seen + k):
+            copy(seen, address, size)
+            return 1
+    return 0
+
+
+@compiled
+def _note_source(plan: NDArray[np.int64], source: int, row: int, end: int) -> int:
     """Write a source into a row that ends at `end` so far; where it ends then."""
-    action, to, address, width = source[0], row + source[1], source[2], source[3]
-    rows, number = source[4], source[5]
+    action, to, address = plan[source], row + plan[source + 1], plan[source + 2]
+    width, rows, number = plan[source + 3], plan[source + 4], plan[source + 5]
     if action == COPY and rows == 0:
         copy(to, address, number * width)
     elif action == COPY:
@@ -220,7 +234,7 @@ def _note_source(source: NDArray[np.int64], row: int, end: int) -> int:
         put_long(to + 8 * number, end)
         for i in range(number):
             which = i if rows == 0 else get_long(rows + 8 * i)
-            count = get_long(source[6] + 8 * which)
+            count = get_long(plan[source + 6] + 8 * which)
             put_long(to + 8 * i, count)
             copy(row + end, address + which * width, count * BLOB_SIZE)
             end += count * BLOB_SIZE
