@@ -37,10 +37,10 @@ def is_told(was: NDArray[np.float64], now: NDArray[np.float64]) -> bool:
         now[MODE] = POSITION
     if was[MODE] != POSITION or now[MODE] != HEADING or now[0] != 0.0:
         return True
+    same = True
     for k in range(1, WIDTH):
-        if k != MODE and now[k] != was[k]:
-            return True
-    return False
+        same = same and (k == MODE or now[k] == was[k])
+    return not same
 
 
 def obey(record: Any, command: NDArray[np.float64]) -> None:

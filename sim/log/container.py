@@ -241,4 +241,3 @@ class LogFile:
 
     def close(self) -> None:
         os.close(self.descriptor)
-

@@ -1,4 +1,4 @@
-"""Messages of one fixed size, pasted together from the rows of a tape: many in one compiled call."""
+"""Messages of one fixed size, pasted together from the rows of a tape, many in one call."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from sim.log.tape import LENGTH, TICK, TIME
 
 TEXT, BYTES, SECONDS, NANOSECONDS, FLOATS, ROUNDED, SIN, COS, SINGLES, WORDS = range(10)
 """What is pasted: a text of each member's own; bytes of the row; its time, as seconds and the rest
-of it; float64 as they are, or rounded; sine and cosine of half of an angle, rounded; float64 rounded
-and made float32; int64 made uint32. What is rounded is so to multiples of 1 / steps; steps 0: it is
-not."""
+of it; float64 as they are, or rounded; sine and cosine of half of an angle, rounded; float64 that
+is rounded and made float32; int64 made uint32. What is rounded becomes a multiple of 1 / steps;
+with steps 0 it is not."""
 PASTING = 8
 
 

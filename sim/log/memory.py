@@ -56,7 +56,7 @@ def _copy(context: Any, target: Any, source: Any, size: Any) -> Any:
     def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         to, source, size = arguments
         kind = ir.IntType(8).as_pointer()
-        cgutils.raw_memcpy(
+        cgutils.raw_memcpy(  # type: ignore[no-untyped-call]
             builder, builder.inttoptr(to, kind), builder.inttoptr(source, kind), size, 1
         )
         return target.get_dummy_value()

@@ -121,9 +121,9 @@ class Indexes(NamedTuple):
 
 
 def message_indexes(
-    channels: NDArray[np.integer[Any]],
-    times: NDArray[np.integer[Any]],
-    offsets: NDArray[np.integer[Any]],
+    channels: NDArray[Any],
+    times: NDArray[Any],
+    offsets: NDArray[Any],
 ) -> Indexes:
     """The indexes of messages (count,), one at the least, in the order in which they stand.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.log.blobs import cameras, write_blobs
 from sim.log.container import Channels
 from sim.log.forms import BYTES, COS, FLOATS, SIN, Form
 from sim.log.frames import base
@@ -14,8 +15,8 @@ from sim.log.layouts import layout
 from sim.log.memory import SINGLE
 from sim.log.moment import Read
 from sim.log.page import Page
+from sim.log.stretches import Stretch
 from sim.log.tape import Sheet
-from sim.log.varying import Stretch, cameras, write_blobs
 
 INFRARED = 1
 """sensor_msgs/Range's kind of what measures in a narrow cone."""
@@ -28,7 +29,7 @@ Writer = Callable[[Page, Stretch], None]
 
 def writer_of(form: Form) -> Writer:
     """The writer of messages of one size."""
-    return lambda page, part: form.write(page, part.rows, part.count)
+    return lambda page, part: form.write(page, part.rows, part.ticks)
 
 
 def by_lengths(

@@ -231,4 +231,3 @@ class Recorder:
                 found.append((row, column, owner[row:last_row, column:last_column].copy()))
         self.distances = gone.copy()
         return found
-

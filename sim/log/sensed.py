@@ -25,7 +25,12 @@ FIELDS = {
     "blobs": ("blobs", "counts"),
 }
 """The arrays of readings that are kept, by their kind."""
-TYPES = {"ranges": np.float64, "intensities": np.float64, "blobs": BLOB, "counts": np.int64}
+TYPES: dict[str, Any] = {
+    "ranges": np.float64,
+    "intensities": np.float64,
+    "blobs": BLOB,
+    "counts": np.int64,
+}
 
 
 class Sensed:
@@ -57,7 +62,7 @@ class Sensed:
                 array = getattr(group.readings, field)
                 self._looked.append((group, group.rows, group.readings, field, array))
                 if not is_plain(array, TYPES[field]):
-                    own = np.array(array, TYPES[field])
+                    own: Any = np.array(array, TYPES[field])
                     self._copies.append((own, array))
                     array = own
                 arrays[field] = array

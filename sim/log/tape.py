@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.log.compiled import compiled, quick
 from sensors.readings import BLOB
 from sim.log import commands
+from sim.log.compiled import compiled, quick
 from sim.log.memory import (
     address_of,
     copy,
@@ -44,6 +44,7 @@ SOURCE = 7
 FIELDS, SOURCES = 6, 6 + commands.WIDTH
 """Where these begin in a plan: the places of a command's numbers in MOVER, and the sources."""
 BLOB_SIZE = BLOB.itemsize
+OFFSETS = {name: int(place[1]) for name, place in (MOVER.fields or {}).items()}
 
 
 class Source(NamedTuple):
@@ -102,7 +103,7 @@ class Sheet:
     ) -> None:
         self.names = tuple(names)
         self.movables, self.read = movables, read
-        self.arrays = sources, movers, told  # which stay where they are as long as somebody has them
+        self.arrays = sources, movers, told  # they stay where they are while somebody has them
         self.at: dict[object, int] = {}
         """By a source's name: its offset in a row."""
         self.written: Any = None
@@ -113,7 +114,7 @@ class Sheet:
             listed += source.numbers(at)
             at += -(-source.size // 8) * 8
         self.fixed = at
-        offsets = [MOVER.fields[name][1] for name in (*commands.NUMBERS, "mode", "motors")]
+        offsets = [OFFSETS[name] for name in (*commands.NUMBERS, "mode", "motors")]
         self.plan = np.array(
             [
                 len(movers), address_of(movers), MOVER.itemsize,
@@ -168,7 +169,7 @@ def needed(plan: NDArray[np.int64], told: bool) -> int:
                 row = i if plan[place + 4] == 0 else get_long(plan[place + 4] + 8 * i)
                 size += get_long(plan[place + 6] + 8 * row) * BLOB_SIZE
             size += 8
-    return size
+    return int(size)
 
 
 @quick
@@ -180,7 +181,7 @@ def noted(
     coverage: float,
     told: bool,
 ) -> int:
-    """Write a row where a tape's `place` (its address, its end, its room) says, and move the end."""
+    """Write a row where a tape's `place` (its address, end and room) says, and move the end."""
     if place[1] + needed(plan, told) > place[2]:
         return -1
     row = place[0] + place[1]
@@ -200,7 +201,7 @@ def noted(
     end += count * TELLING
     put_long(row + LENGTH, end)
     place[1] += end
-    return changes
+    return int(changes)
 
 
 @compiled

@@ -17,8 +17,9 @@ from sim.log.moment import Event, Painted, Touched
 from sim.log.page import Page
 from sim.log.readings import ROW, WRITERS, Writer, odometry_forms, writer_of
 from sim.log.scene import paint_event
+from sim.log.stretches import Stretch, write_clock
 from sim.log.tape import COVERAGE, Sheet
-from sim.log.varying import Stretch, commanded, write_clock, write_commands, write_twists
+from sim.log.tellings import commanded, write_commands, write_twists
 
 METRES, TURNS, SPEEDS = 2.0**10, 2.0**11, 2.0**20
 """Steps to which /tf and velocities are rounded: a millimetre, of quaternions what turns by 1e-3

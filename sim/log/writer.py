@@ -15,9 +15,9 @@ from sim.log.errors import LogError
 from sim.log.floor import FloorMirror
 from sim.log.moment import Event, Floor, Painted, Touched
 from sim.log.page import Page
+from sim.log.stretches import stretch
 from sim.log.tape import Sheet, Tape
 from sim.log.tick_messages import TickMessages
-from sim.log.varying import stretch
 
 FORMAT = 2
 """Of what a log holds: a reader refuses later ones. 1 had a message of commands for each tick."""
@@ -29,7 +29,7 @@ CHUNK_BYTES = 1 << 24
 MOST_WAITING = 1 << 28
 """Bytes that may wait to be written; then the run waits too."""
 FIRST_TAPE, TAPE, ROWS = 1 << 16, 1 << 20, 8
-"""Bytes of the first tape of a sheet, and of the next ones; rows for which one has room at least."""
+"""Bytes of the first tape of a sheet, and of the next ones; for how many rows one has room."""
 
 NO_MEMORY = np.empty(0, np.uint8)
 
