@@ -61,15 +61,14 @@ class Painted(NamedTuple):
 
 
 class Touched(NamedTuple):
-    """Contacts of a tick in which some began."""
+    """Where robots touch something that have begun to touch something in a tick."""
 
     tick: int
     time: float
-    began: NDArray[np.intp]
-    """(b,) the robots that began to touch something."""
     robots: NDArray[np.int64]
-    """(k,) those that touch something, and where: (k, 2)."""
+    """(k,) for each point: a robot may have several."""
     points: Floats
+    """(k, 2)"""
 
 
 @dataclass(frozen=True)

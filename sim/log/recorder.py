@@ -152,9 +152,9 @@ class Recorder:
         before = np.zeros_like(counts)
         before[: len(self.counted)] = self.counted
         self.counted = counts
-        robots, points = stage.contact_points
-        began = np.flatnonzero(counts != before)
-        self.writer.put(Touched(engine.ticks, engine.time, began, robots.copy(), points.copy()))
+        robots, points = stage.contact_points_of(np.flatnonzero(counts != before))
+        if len(robots):
+            self.writer.put(Touched(engine.ticks, engine.time, robots, points))
 
     def sheet(self, engine: Engine) -> Sheet:
         """What is to be noted of each tick from now on."""

@@ -151,11 +151,8 @@ class TickMessages:
 
     def touched(self, one: Touched, page: Page) -> None:
         """/troupe/contacts: who began to touch something, and where."""
-        shown = np.isin(one.robots, one.began)
-        if shown.any():
-            points = one.points[shown].reshape(-1)
-            values = {"tick": one.tick, "robots": one.robots[shown], "points": points}
-            self.single(Event(one.time, "/troupe/contacts", CONTACTS, values), page)
+        values = {"tick": one.tick, "robots": one.robots, "points": one.points.reshape(-1)}
+        self.single(Event(one.time, "/troupe/contacts", CONTACTS, values), page)
 
     def painted(self, one: Painted, page: Page) -> None:
         """/troupe/paint: cells that were painted."""
