@@ -37,7 +37,7 @@ def may_begin(brain: Brain) -> bool:
 
 
 def go_on(brain: Brain, command: Command, gaze: float) -> bool:
-    """One reading's worth of a turn begun carefully; false once it is past turning back, or done."""
+    """One reading's worth of a turn begun carefully; false past turning back, or when done."""
     memory, pose = brain.memory, brain.pose
     assert memory.careful_from is not None
     far = abs(wrap(pose.yaw - memory.careful_from)) > FAR

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from stage_worlds import robot, set_up
 
 from sim.stage.stage import Stage
-from tests.sim.stage.stage_worlds import robot, set_up
 
 OPEN = {"size": (100.0, 100.0), "boundary": None}
 OMNI = {"kind": "omnidirectional", "max_speed": 2.0, "max_force": 40.0}
