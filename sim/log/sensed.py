@@ -41,7 +41,8 @@ class Sensed:
         self.groups: dict[int, SensorGroup | None] = {}
         self._known: list[Group] = []
         self._looked: list[tuple[Group, Any, Any, str, Any]] = []
-        self._copies: list[tuple[Any, Any]] = []
+        self._copies: list[tuple[Any, Any, str]] = []  # what is copied before it is noted
+        self._restless: set[tuple[int, str]] = set()  # arrays that others take the place of
 
     def wants(self, what: str) -> bool:
         return what in self.wanted or ALL in self.wanted
@@ -60,11 +61,13 @@ class Sensed:
             arrays = {}
             for field in FIELDS[group.kind]:
                 array = getattr(group.readings, field)
-                self._looked.append((group, group.rows, group.readings, field, array))
-                if not is_plain(array, TYPES[field]):
-                    own: Any = np.array(array, TYPES[field])
-                    self._copies.append((own, array))
+                if (id(group), field) in self._restless or not is_plain(array, TYPES[field]):
+                    own: Any = np.array(array, TYPES[field], order="C")
+                    self._copies.append((own, group.readings, field))
+                    self._looked.append((group, group.rows, group.readings, field, None))
                     array = own
+                else:
+                    self._looked.append((group, group.rows, group.readings, field, array))
                 arrays[field] = array
             if not group.rows.size:
                 continue
@@ -83,13 +86,17 @@ class Sensed:
 
     def moved(self, suite: Suite) -> bool:
         """Whether what was looked for lies elsewhere now, or other sensors are read."""
-        for own, array in self._copies:
-            np.copyto(own, array)
         for group, rows, readings, field, array in self._looked:
             if group.rows is not rows or group.readings is not readings:
                 return True
-            if getattr(readings, field) is not array:
+            if array is not None and getattr(readings, field) is not array:
+                self._restless.add((id(group), field))
                 return True
+        for own, readings, field in self._copies:
+            array = getattr(readings, field)
+            if array.shape != own.shape:
+                return True
+            np.copyto(own, array)
         return len(suite.groups) != len(self._known)
 
     def group(self, group: Group) -> SensorGroup | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -111,3 +112,26 @@ def test_a_log_of_format_1_is_read_checked_and_recovered(tmp_path: Path) -> None
         np.testing.assert_allclose(kept.commands["wz"], np.repeat(0.1 * np.arange(12), 2))
         assert kept[0.45:0.75].commands["tick"].tolist() == [5, 5, 6, 6, 7, 7]
         assert kept.scans("a").ranges.shape == (25, 5)
+
+
+def test_readings_whose_array_another_takes_the_place_of_are_kept(tmp_path: Path) -> None:
+    log, ranges = tmp_path / "run.mcap", []
+    with troupe.Simulation(WORLD, log=log, log_sensors=["laser"], controllers=False) as sim:
+        (group,) = [one for one in sim._engine.scenery.suite.groups if one.kind == "scan"]
+        sense = group.type.sense
+
+        def in_a_new_array(settings: Any, view: Any, readings: Any) -> None:
+            sense(settings, view, readings)
+            readings.ranges = readings.ranges.astype(np.float32) + np.float32(view.tick)
+
+        group.type = replace(group.type, sense=in_a_new_array)
+        for _ in range(5):
+            sim.step()
+            ranges.append(group.readings.ranges)
+        recorder = sim._recorder
+        assert recorder is not None
+        sheet = recorder.tape.sheet
+        sim.step()
+        assert recorder.tape.sheet is sheet  # looked for once, not in every tick
+    kept = troupe.Log(log).scans("b").ranges
+    assert kept[:5].tobytes() == np.array(ranges)[:, 1].tobytes()
