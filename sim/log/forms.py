@@ -129,11 +129,11 @@ def pasted(
 ) -> tuple[int, int]:
     """Write the records of rows to `base` + `at`; how many bytes and messages these are."""
     size, like = len(template), template.ctypes.data
-    number = 0
-    for _ in range(rows):
+    for tick in range(rows):
         time = get_long(row + TIME)
         seconds, rest = time // 1000000000, time % 1000000000
         for member in range(len(channels)):
+            number = member * rows + tick  # a channel's messages stand together: they are alike
             here = base + at + number * size
             for g in range(len(gaps)):
                 copy(here + gaps[g, 0], like + gaps[g, 0], gaps[g, 1] - gaps[g, 0])
@@ -172,9 +172,9 @@ def pasted(
                             value = np.cos(0.5 * value)
                         put_float(to + k * apart, _rounded(value, steps))
             put_note(notes, number, time, at + number * size, channels[member])
-            number += 1
         row += get_long(row + LENGTH)
-    return number * size, number
+    count = rows * len(channels)
+    return count * size, count
 
 
 @compiled
