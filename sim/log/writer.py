@@ -29,7 +29,8 @@ CHUNK_BYTES = 1 << 24
 MOST_WAITING = 1 << 28
 """Bytes that may wait to be written; then the run waits too."""
 FIRST_TAPE, TAPE, ROWS = 1 << 16, 1 << 20, 8
-"""Bytes of the first tape of a sheet, and of the next ones; for how many rows one has room."""
+"""Bytes of the first tape of a sheet, and of the next ones; for how many rows one has room, where
+these are not longer than a chunk."""
 
 NO_MEMORY = np.empty(0, np.uint8)
 
@@ -62,7 +63,8 @@ class LogWriter:
         self._done = 0  # bytes of it that are in the file
         self._last = 0  # ns of the last row
         self._free: deque[NDArray[np.uint8]] = deque()  # the memory of tapes that are in the file
-        self._size = 0
+        self._noting = 0  # bytes of the tape that the run writes to
+        self._size = 0  # bytes that wait
         self._closing = False
         self._full = threading.Event()
         self._room = threading.Condition()
@@ -85,14 +87,16 @@ class LogWriter:
 
     def tape(self, sheet: Sheet, before: Tape | None = None) -> Tape:
         """A tape for rows of a sheet from now on, in the place of the one before, if it is full."""
-        size = FIRST_TAPE if before is None else TAPE
-        size = max(size, Tape(sheet, NO_MEMORY).need() * ROWS)
+        row = Tape(sheet, NO_MEMORY).need()
+        size = max(FIRST_TAPE if before is None else TAPE, row, min(row * ROWS, CHUNK_BYTES))
         found = None
         while found is None and self._free:
             memory = self._free.popleft()
             found = memory if size <= len(memory) <= 2 * size else None
         tape = Tape(sheet, np.empty(size, np.uint8) if found is None else found)
-        self.put(tape, tape.room)
+        # the one before is complete and waits from now on
+        self.put(tape, self._noting)
+        self._noting = tape.room
         return tape
 
     def _wait_for_room(self, size: int) -> None:
@@ -137,8 +141,7 @@ class LogWriter:
                 self.file.check_there()
                 for item, size in items:
                     self._take(item)
-                    if not isinstance(item, Tape):
-                        self._release(size)
+                    self._release(size)
                 self._take_rows()
                 self.messages.whole_floor(self.page)
                 self._flush()
@@ -158,7 +161,6 @@ class LogWriter:
             self._take_rows()  # of the one before, which nobody writes to any more
             if self._tape is not None:
                 self._free.append(self._tape.memory)
-                self._release(self._tape.room)
             self._tape, self._done = item, 0
             self._take_rows()
         elif isinstance(item, Event):
