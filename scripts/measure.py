@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import csv
 import json
 import os
@@ -21,8 +20,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
+from onlookers import look_on
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -96,36 +94,25 @@ def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str
     duration = 600 if count == 4 else 6000 / count
     path = str(world(folder, "reader", duration, size=hall(count), count=count))
     prices = []
-    for _ in range(max(3, repeats)):
+    for _ in range(max(5, repeats)):
         alone = float(str(run_command(path)[0]["speed"]))
         prices.append(100 * (1 - watched_speed(path, viewers) / alone))
     return f"{statistics.median(prices):.1f} % of the speed"
 
 
 def watched_speed(path: str, viewers: int) -> float:
-    """The speed of a run while so many draw every moment that comes."""
+    """The speed of a run while so many take every moment that comes, and draw nothing."""
     run = subprocess.Popen(
         [sys.executable, "-m", "troupe", "run", path, "--json", "--quiet", "--view", "--no-open"],
         cwd=ROOT,
+        env={name: text for name, text in os.environ.items() if name != NO_BYTECODE},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
     assert run.stderr is not None
-    address = next(m[1] for line in run.stderr if (m := re.search(r"http(://\S+)", line)))
-
-    def watch() -> None:
-        with (
-            contextlib.suppress(ConnectionClosed, OSError),
-            connect(f"ws{address}socket", max_size=None) as page,
-        ):
-            while True:
-                page.recv()
-                page.send('{"do": "seen"}')
-
-    watching = [threading.Thread(target=watch, daemon=True) for _ in range(viewers)]
-    for one in watching:
-        one.start()
+    address = next(m[1] for line in run.stderr if (m := re.search(r"http://(\S+)", line)))
+    threading.Thread(target=look_on, args=(address, viewers), daemon=True).start()
     return float(json.loads(run.communicate()[0])["speed"])
 
 
