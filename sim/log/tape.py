@@ -149,7 +149,7 @@ class Tape:
         time: simulated seconds. told: whether robots may have got other commands. Returns bits:
         the first one for the first watched source, if it is not as it was, and so on.
         """
-        return int(noted(self.plan, self.place, tick, time, coverage, told))
+        return noted(self.plan, self.place, tick, time, coverage, told)
 
     def need(self) -> int:
         """Bytes that a row may take now."""
@@ -207,11 +207,16 @@ def noted(
 @compiled
 def _changed(address: int, seen: int, size: int) -> int:
     """1 if so many bytes are not as they were seen last: then they are seen; else 0."""
-    for k in range(size):
-        if get_byte(address + k) != get_byte(seen + k):
-            copy(seen, address, size)
-            return 1
-    return 0
+    same, k = True, 0
+    while same and k + 8 <= size:
+        same = get_long(address + k) == get_long(seen + k)
+        k += 8
+    while same and k < size:
+        same = get_byte(address + k) == get_byte(seen + k)
+        k += 1
+    if not same:
+        copy(seen, address, size)
+    return 0 if same else 1
 
 
 @compiled
