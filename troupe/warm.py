@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SOURCES = (
     "sensors",
     "sim/devices",
+    "sim/log",
     "sim/stage",
     "controllers/dispersal",
     "controllers/dispersal/rules",
@@ -111,20 +112,31 @@ def sources(root: Path = ROOT) -> str:
 
 def compile_all() -> None:
     """Do a little of everything that is computed by a kernel."""
-    sense_and_move()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "everything.yaml"
+        path.write_text(WORLD)
+        sense_and_move(path)
+        keep(path)
     disperse()
 
 
-def sense_and_move() -> None:
+def sense_and_move(world: Path) -> None:
     """A small world in which everything is sensed and every drive and sprayer on."""
     from sim.build import load
     from sim.rehearsal import run_for_nobody
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "everything.yaml"
-        path.write_text(WORLD)
-        loaded = load(path)
-    run_for_nobody(loaded, seed=1)
+    run_for_nobody(load(world), seed=1)
+
+
+def keep(world: Path) -> None:
+    """A log of all of that."""
+    from troupe.simulation import Simulation
+
+    log = world.with_suffix(".mcap")
+    with Simulation(world, log=log, log_sensors=["all"], controllers=False) as simulation:
+        simulation.step()
+        simulation.command(forward=0.1)
+        simulation.step()
 
 
 def disperse() -> None:

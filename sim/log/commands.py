@@ -7,45 +7,40 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.log.compiled import compiled
+
 NUMBERS = (
     "vx", "vy", "wz", "curvature", "goal_x", "goal_y", "goal_yaw", "speed_limit", "turn_limit",
 )  # fmt: skip
 """The fields of the stage's records that make a command, besides `mode` and `motors`."""
 WIDTH = len(NUMBERS) + 2
 POSITION, HEADING = 2, 3
-MODE, MOTORS, GOAL, SPEED_LIMIT = 9, 10, slice(4, 6), 7
+GOAL_X, GOAL_Y, SPEED_LIMIT, MODE, MOTORS = 4, 5, 7, 9, 10
 
 
-def table(movers: NDArray[Any]) -> NDArray[np.float64]:
-    """Commands (..., 11) of the stage's records (...): NUMBERS, mode, motors."""
-    found = np.empty((*movers.shape, WIDTH))
-    for index, name in enumerate((*NUMBERS, "mode", "motors")):
-        found[..., index] = movers[name]
+def fresh(robots: int) -> NDArray[np.float64]:
+    """(n, 11) what robots do that have just entered: NUMBERS, mode, motors."""
+    found = np.zeros((robots, WIDTH))
+    found[:, MOTORS] = 1.0
     return found
 
 
-def changes(
-    before: NDArray[np.float64], after: NDArray[np.float64]
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Robots (k,) that were told something new, and their commands (k, 11), as they were given.
+@compiled
+def is_told(was: NDArray[np.float64], now: NDArray[np.float64]) -> bool:
+    """Whether a robot was told something, as its commands (11,) differ; `now` is made what it was.
 
-    before, after: (n, 11) at the ends of a tick and of the next. A robot that has come to the
-    pose it was sent to holds its heading there: that is no new command, and where it was sent
-    and came in the same tick, the sending is.
+    A robot that has come to the pose it was sent to holds its heading there: that is no new
+    command, and where it was sent and came in the same tick, the sending is.
     """
-    differs = (before != after).any(axis=1)
-    if not differs.any():
-        return np.zeros(0, np.intp), after[:0]
-    robots = np.flatnonzero(differs)
-    told, was = after[robots].copy(), before[robots]
-    sent = (told[:, GOAL] != was[:, GOAL]).any(axis=1) | (
-        told[:, SPEED_LIMIT] != was[:, SPEED_LIMIT]
-    )
-    told[(told[:, MODE] == HEADING) & sent, MODE] = POSITION
-    arrived = was.copy()
-    arrived[:, MODE], arrived[:, 0] = HEADING, 0.0
-    came = (was[:, MODE] == POSITION) & (told == arrived).all(axis=1)
-    return robots[~came], told[~came]
+    sent = now[GOAL_X] != was[GOAL_X] or now[GOAL_Y] != was[GOAL_Y]
+    if now[MODE] == HEADING and (sent or now[SPEED_LIMIT] != was[SPEED_LIMIT]):
+        now[MODE] = POSITION
+    if was[MODE] != POSITION or now[MODE] != HEADING or now[0] != 0.0:
+        return True
+    same = True
+    for k in range(1, WIDTH):
+        same = same and (k == MODE or now[k] == was[k])
+    return not same
 
 
 def obey(record: Any, command: NDArray[np.float64]) -> None:

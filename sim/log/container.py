@@ -17,8 +17,8 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-from sim.log.blocks import Block, Indexes, message_indexes
 from sim.log.definitions import whole
+from sim.log.page import Indexes, Page, message_indexes
 
 MAGIC = b"\x89MCAP0\r\n"
 CHUNK_HEAD = struct.Struct("<QQQI")
@@ -79,13 +79,12 @@ class Tail:
     first: int | None = None  # ns
     last: int = 0
 
-    def chunk(
-        self, indexes: Indexes, start: int, end: int, at: int, length: int, packed: int, size: int
-    ) -> None:
+    def chunk(self, indexes: Indexes, at: int, length: int, packed: int, size: int) -> None:
         """Note a chunk of `length` bytes at an offset, its indexes behind it.
 
-        start, end: of its messages' times, ns. packed, size: bytes of its records.
+        packed, size: bytes of its records.
         """
+        start, end = indexes.start, indexes.end
         places = indexes.places.copy()
         places["offset"] += at + length
         body = (
@@ -162,7 +161,6 @@ class LogFile:
         self.channels = Channels()
         # zstd's own checksum: CRC32 takes longer than the compression of what compresses well
         self.compressor = zstandard.ZstdCompressor(level=LEVEL, write_checksum=True)
-        self.room = np.empty(1 << 16, np.uint8)  # for a chunk's records, used again
         self.append(MAGIC + written(mcap.Header("ros2", library)))
 
     def append(self, *parts: bytes | memoryview) -> int:
@@ -196,41 +194,32 @@ class LogFile:
         start = self.append(record)
         self.tail.metadata.append(mcap.MetadataIndex(start, len(record), name))
 
-    def chunk(self, blocks: Sequence[Block]) -> None:
-        """Write messages as one chunk with its indexes, at once."""
-        if not blocks:
+    def declare(self, page: Page) -> None:
+        """Add to a page what no page has told of topics yet: it stands before their messages."""
+        for record in self.channels.new:
+            page.record(written(record))
+            kind = self.tail.schemas if isinstance(record, mcap.Schema) else self.tail.channels
+            kind.append(record)
+        self.channels.new.clear()
+
+    def chunk(self, page: Page) -> None:
+        """Write the messages of a page as one chunk with its indexes, at once, and empty it."""
+        if not page.count:
             return
-        new = self.channels.new
-        head = b"".join(written(record) for record in new)
-        sizes = [one.count * one.record for one in blocks]
-        size = len(head) + sum(sizes)
-        if size > len(self.room):
-            self.room = np.empty(size + size // 4, np.uint8)
-        data = self.room[:size]
-        data[: len(head)] = np.frombuffer(head, np.uint8)
-        offsets, at = [], len(head)
-        for one, length in zip(blocks, sizes, strict=True):
-            one.write(data[at : at + length])
-            offsets.append(np.arange(at, at + length, one.record))
-            at += length
-        channels = np.concatenate([spread(one.channels, one.shape) for one in blocks])
-        times = np.concatenate([spread(one.times, one.shape) for one in blocks])
-        start, end = int(times.min()), int(times.max())
-        packed = self.compressor.compress(data.data)
+        notes = page.notes[: page.count]
+        indexes = message_indexes(notes["channel"], notes["time"], notes["offset"])
+        data = page.memory[: page.size].data
+        packed = self.compressor.compress(data)
         prefix = (
-            CHUNK_HEAD.pack(start, end, size, NO_CRC)
+            CHUNK_HEAD.pack(indexes.start, indexes.end, page.size, NO_CRC)
             + b"\x04\0\0\0zstd"
             + struct.pack("<Q", len(packed))
         )
         length = len(prefix) + len(packed)
         prefix = struct.pack("<BQ", Opcode.CHUNK, length) + prefix
-        indexes = message_indexes(channels, times, np.concatenate(offsets).astype(np.uint64))
-        at = self.append(prefix, packed, indexes.records)
-        self.tail.chunk(indexes, start, end, at, 9 + length, len(packed), size)
-        for record in new:
-            kind = self.tail.schemas if isinstance(record, mcap.Schema) else self.tail.channels
-            kind.append(record)
-        new.clear()
+        at = self.append(prefix, packed, indexes.records.data)
+        self.tail.chunk(indexes, at, 9 + length, len(packed), page.size)
+        page.clear()
 
     def check_there(self) -> None:
         """Raises Vanished if the file has been removed: what is written goes nowhere."""
@@ -247,8 +236,3 @@ class LogFile:
 
     def close(self) -> None:
         os.close(self.descriptor)
-
-
-def spread(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """One of `values` for each message of a block."""
-    return np.broadcast_to(values, shape).reshape(-1)

@@ -14,7 +14,7 @@ from sim.log.cdr import decode
 from sim.log.floor import rebuilt
 from sim.log.layouts import Layout, layout
 from sim.log.reader import LogReader
-from sim.log.tick_blocks import STATE, state_layout
+from sim.log.tick_messages import STATE, state_layout
 
 STATES, SENT = "/troupe/state", "/troupe/commands"
 COMMAND = np.dtype(
@@ -124,6 +124,28 @@ def entries(reader: LogReader) -> list[Entry]:
 
 def sent(reader: LogReader, span: Span = ALL) -> NDArray[Any]:
     """(k,) of dtype COMMAND: the commands in the order in which they were carried out."""
+    kind = reader.topics[SENT][1] if SENT in reader.topics else ""
+    if kind == "troupe_msgs/Commands":
+        return sent_tick_by_tick(reader, span)
+    start, end = span
+    interval = reader.number("interval")
+    parts = [np.zeros(0, COMMAND)]
+    # a message tells of a second: some of the one before may lie in the span
+    for _, one in reader.messages(SENT, None if start is None else max(0, start - 10**9), end):
+        rows = np.zeros(len(one["robots"]), COMMAND)
+        rows["tick"], rows["time"] = one["ticks"], one["ticks"] * interval
+        rows["robot"], rows["mode"], rows["motors"] = one["robots"], one["modes"], one["motors"]
+        for name in commands.NUMBERS:
+            if len(one[name]):
+                rows[name] = one[name]
+        stamps = np.rint(rows["time"] * 1e9)
+        within = np.ones(len(rows), bool) if start is None else stamps >= start
+        parts.append(rows[within if end is None else within & (stamps < end)])
+    return np.concatenate(parts)
+
+
+def sent_tick_by_tick(reader: LogReader, span: Span) -> NDArray[Any]:
+    """The same of a log of format 1, which has a message for each tick with commands."""
     parts = [np.zeros(0, COMMAND)]
     for time, one in reader.messages(SENT, *span):
         rows = np.zeros(len(one["robots"]), COMMAND)

@@ -29,8 +29,7 @@ COLOR = attrgetter("color")
 class News:
     """Knows what a log has been told of a run's robots, and finds what is new.
 
-    names: the robots', as ROS takes them. records: theirs in the result. colors: bytes of (n,)
-    uint32.
+    names: the robots', as ROS takes them. records: theirs in the result.
     """
 
     def __init__(self, loaded: LoadedWorld) -> None:
@@ -38,7 +37,6 @@ class News:
         self.time = 0.0  # simulated seconds, when one last looked
         self.names: list[str] = []
         self.records: list[RobotRecord] = []
-        self.colors = b""
         self._lines: list[tuple[float, str]] = []  # for people, not yet in the log
         self._said: list[list[tuple[float, str]]] = []
         self._said_so_far = 0
@@ -54,14 +52,29 @@ class News:
         """Keep a line that was meant for people, of whatever thread."""
         self._lines.append((self.time, text))
 
+    def any(self, engine: Engine) -> bool:
+        """Whether there may be something new, besides colours."""
+        self.time = engine.time
+        return bool(
+            self._lines
+            or len(engine.robots) != len(self.records)
+            or engine.scenery.stage.hands
+            or engine.context.changes != self._known[0]
+            or engine.drivers.ends != self._known[1]
+            or engine.sensing.flags is not self._flags
+        )
+
     def since(self, engine: Engine, *, last: bool = False) -> list[Event]:
-        """Events of all that is new; the `last` look is after the run."""
+        """Events of all that is new, besides colours; the `last` look is after the run."""
         self.time = engine.time
         events: list[Event] = []
         if len(engine.robots) != len(self.records):
             events += self.entered(engine)
-        self.told(engine, events)
+        if self._lines:
+            lines, self._lines = self._lines, []
+            events += [self.line_event(*line) for line in lines]
         if last:
+            events += self.recolored(engine)
             self.reported(engine, events, engine.ticks + 1)
             if engine.ticks:
                 events.append(last_event(engine))
@@ -99,15 +112,6 @@ class News:
             self.records = [robot.record for robot in engine.robots]
             events.append(body_event(self.time, bodies))
         return events
-
-    def told(self, engine: Engine, events: list[Event]) -> None:
-        """Events of lines for people, and of colours."""
-        if self._lines:
-            lines, self._lines = self._lines, []
-            events += [self.line_event(*line) for line in lines]
-        colors = list(map(COLOR, engine.robots))
-        if colors != self._colors:
-            self.recolored(colors, events)
 
     def changed(self, engine: Engine, events: list[Event]) -> None:
         """Events of what else is new besides the bodies' motion."""
@@ -188,16 +192,16 @@ class News:
         self._states = states
         return events
 
-    def recolored(self, colors: list[int], events: list[Event]) -> None:
+    def recolored(self, engine: Engine) -> list[Event]:
+        """The event of robots that have got another colour."""
+        colors = list(map(COLOR, engine.robots))
         bodies = []
         for robot, (now, before) in enumerate(zip(colors, self._colors, strict=False)):
             if now != before:
                 body = self.loaded.world.models[self.records[robot].model].body
                 bodies.append((robot, self.names[robot], body, now))
-        if bodies:
-            events.append(body_event(self.time, bodies))
         self._colors = colors
-        self.colors = np.array(colors, np.uint32).tobytes()
+        return [body_event(self.time, bodies)] if bodies else []
 
     def drawings(self, robots: Sequence[Robot], tick: int) -> list[Event]:
         events = []

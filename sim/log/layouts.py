@@ -34,14 +34,9 @@ class Place(NamedTuple):
     pieces: Sequence[Piece]
 
 
-Values = NDArray[Any] | Sequence[NDArray[Any]]
-"""What is written into a field of messages that are numbered by `shape`: an array that broadcasts
-to (*shape, count of the field's values), or one of these for each number of the first axis."""
-
-
 @dataclass(frozen=True)
 class Layout:
-    """The bytes of a message of one fixed size, into which numpy pastes many messages' values."""
+    """The bytes of a message of one fixed size, and where in it the values of its fields stand."""
 
     message: NDArray[np.uint8]
     """(size,) one such message, CDR's head included."""
@@ -52,32 +47,6 @@ class Layout:
     def size(self) -> int:
         """Bytes of the message, its head included."""
         return len(self.message)
-
-    def fill(
-        self,
-        records: NDArray[np.uint8],
-        before: int,
-        shape: tuple[int, ...],
-        values: Mapping[str, Values],
-    ) -> None:
-        """Write values, by path, into messages that stand one after the other.
-
-        records: the bytes of all, each with `before` bytes in front of it. shape: how the messages
-        are numbered, the last axis being the fastest.
-        """
-        size = before + self.size
-        ends = np.cumprod((1, *shape[::-1]))[:-1][::-1].tolist()
-        strides = [size * end for end in ends]
-        for path, value in values.items():
-            dtype, _, pieces = self.places[path]
-            several = isinstance(value, Sequence)
-            parts = value if several else (value,)
-            for first, number, at, step in pieces:
-                target = np.ndarray((*shape, number), dtype, records, before + at, (*strides, step))
-                part = slice(first, first + number)
-                for goal, one in zip(target if several else (target,), parts, strict=True):
-                    wanted = one if one.shape[-1] == 1 else one[..., part]
-                    goal[...] = wanted.astype(dtype, copy=False)  # goals are not aligned
 
     def read(self, messages: NDArray[np.uint8], path: str) -> NDArray[Any]:
         """The values (k, count) of a field of messages (k, size)."""

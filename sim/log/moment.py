@@ -1,8 +1,8 @@
-"""What a log is told of a run: plain arrays and values, which nobody changes afterwards."""
+"""What a log is told of a run besides its ticks: values that nobody changes afterwards."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -22,21 +22,6 @@ class Event:
     values: Mapping[str, Any]
 
 
-class Fans(NamedTuple):
-    """Readings of the sensors of equal settings in one tick, all that were sensed."""
-
-    source: SensorGroup
-    rows: NDArray[np.int64]
-    """(k,) which of the group's."""
-    ranges: NDArray[np.float32]
-    """(k, samples) metres, of whatever has ranges; else empty."""
-    intensities: NDArray[np.float32] | None = None
-    blobs: bytes = b""
-    """(sum of counts,) of the readings' dtype BLOB, one sensor's after the other's."""
-    counts: NDArray[np.int64] | None = None
-    """(k,) how many blobs each has."""
-
-
 @dataclass
 class SensorGroup:
     """What does not change about sensors of equal settings."""
@@ -54,45 +39,36 @@ class SensorGroup:
     """Pixels of an image."""
     members: list[tuple[str, str]] = field(default_factory=list)
     """By row: topic and frame."""
-    memo: dict[Hashable, Any] = field(default_factory=dict)
-    """How their messages are laid out, as far as it is known."""
-    layouts: dict[Hashable, Any] = field(default_factory=dict)
 
 
-class TickState(NamedTuple):
-    """All that moves, at the end of one tick.
+class Read(NamedTuple):
+    """Some sensors of a group: those that are read, and what their arrays are called in rows."""
 
-    What stands for n robots is the bytes of an array, which are copied in no time; its type is
-    given for each.
-    """
+    group: SensorGroup
+    rows: Sequence[int]
+    """(k,) which of the group's."""
+    sources: Mapping[str, object]
+    """By the field of the readings: the name of the source."""
+
+
+class Painted(NamedTuple):
+    """Windows of the floor that may have been painted in a tick."""
 
     tick: int
     time: float
-    coverage: float
-    robots: int
-    """n"""
-    colors: bytes
-    """(n,) uint32"""
-    poses: bytes
-    """(n, 3) float64"""
-    velocities: bytes
-    """(n, 3) float64"""
-    stalls: bytes
-    """(n,) bool"""
-    contacts: bytes
-    """(n,) int64"""
-    movers: bytes
-    """(n,) MOVER: the stage's records, of which the commands count; empty: as they were."""
-    movables: bytes
-    """(m, 3) float64"""
-    odometry: Floats | None = None
-    """(n, 3) where it is logged."""
-    fans: Sequence[Fans] = ()
-    events: Sequence[Event] = ()
-    painted: Sequence[tuple[int, int, NDArray[np.int16]]] = ()
-    """Windows of the floor that may have changed: first row, first column, owners."""
-    touched: tuple[NDArray[np.int64], Floats] | None = None
-    """Robots and points of this tick's contacts."""
+    windows: Sequence[tuple[int, int, NDArray[np.int16]]]
+    """First row, first column, owners."""
+
+
+class Touched(NamedTuple):
+    """Where robots touch something that have begun to touch something in a tick."""
+
+    tick: int
+    time: float
+    robots: NDArray[np.int64]
+    """(k,) for each point: a robot may have several."""
+    points: Floats
+    """(k, 2)"""
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-from sim.log.blocks import ENTRY, PLACE, PREFIX
 from sim.log.cdr import decode
 from sim.log.container import MAGIC
 from sim.log.errors import LogError
+from sim.log.page import ENTRY, PLACE, PREFIX
 from sim.log.source import DAMAGES, Source, check_ours, each_record, parsed, unpack
 
 FOOT = struct.Struct("<BQQQI")

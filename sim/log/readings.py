@@ -2,274 +2,138 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sensors.readings import BLOB
-from sim.log.blocks import Block
+from sim.log.blobs import cameras, write_blobs
 from sim.log.container import Channels
+from sim.log.forms import BYTES, COS, FLOATS, SIN, Form
 from sim.log.frames import base
-from sim.log.layouts import Layout, Values, layout
-from sim.log.moment import Fans, SensorGroup, TickState
+from sim.log.layouts import layout
+from sim.log.memory import SINGLE
+from sim.log.moment import Read
+from sim.log.page import Page
+from sim.log.stretches import Stretch
+from sim.log.tape import Sheet
 
-BLOB_FIELDS = ("id", "color", "area", "x", "y", "left", "right", "top", "bottom", "range")
 INFRARED = 1
 """sensor_msgs/Range's kind of what measures in a narrow cone."""
+ROW = 24
+"""Bytes of a robot's pose or velocity."""
+
+Writer = Callable[[Page, Stretch], None]
+"""Adds the messages of a stretch of rows to a page."""
 
 
-class Stamps(NamedTuple):
-    """When messages were: arrays (t,)."""
-
-    ticks: NDArray[np.uint64]
-    ns: NDArray[np.uint64]
-    """Simulated time; as whole seconds and the rest of it below."""
-    seconds: NDArray[np.uint64]
-    rest: NDArray[np.uint64]
-
-    def at(self, which: NDArray[np.intp]) -> Stamps:
-        """Some of them."""
-        return Stamps(*(array[which] for array in self))
+def writer_of(form: Form) -> Writer:
+    """The writer of messages of one size."""
+    return lambda page, part: form.write(page, part.rows, part.ticks)
 
 
-def stamps_of(ticks: Sequence[TickState]) -> Stamps:
-    """The stamps of ticks."""
-    numbers = np.array([state.tick for state in ticks], np.uint64)
-    ns = np.rint(np.array([state.time for state in ticks]) * 1e9).astype(np.uint64)
-    return Stamps(numbers, ns, ns // 10**9, ns % 10**9)
-
-
-@dataclass(frozen=True)
-class SameLayout:
-    """Messages of one layout that differ in texts and numbers, each on a channel of its own."""
-
-    members: slice | list[int]
-    layout: Layout
-    texts: dict[str, NDArray[np.uint8]]
-    """By path: (k, length) bytes."""
-    channels: NDArray[np.uint16]
-
-
-Memo = dict[Hashable, list[SameLayout]]
-MOST_KEPT = 64
-
-
-def by_layout(
-    channels: Channels,
-    memo: Memo,
-    key: Hashable,
-    kind: str,
-    messages: Callable[[], tuple[Sequence[dict[str, Any]], Sequence[str]]],
-    paths: Sequence[str],
-) -> list[SameLayout]:
-    """Messages and their topics in groups of equal layout, which are laid out once for each key.
-
-    messages() gives what all messages are like, and their topics; paths are of what differs.
-    """
-    if key in memo:
-        return memo[key]
-    values, topics = messages()
-    split = [[text_at(value, path).encode() for path in paths] for value in values]
+def by_lengths(
+    texts: Sequence[Sequence[str]],
+) -> Iterator[tuple[list[int], list[np.ndarray[Any, np.dtype[np.uint8]]]]]:
+    """Members whose texts are of equal lengths: their numbers, and each text (members, length)."""
     groups: dict[tuple[int, ...], list[int]] = {}
-    for index, found in enumerate(split):
-        groups.setdefault(tuple(map(len, found)), []).append(index)
-    if len(memo) >= MOST_KEPT:
-        memo.clear()
-    memo[key] = [
-        SameLayout(
-            slice(members[0], members[-1] + 1)
-            if members[-1] - members[0] + 1 == len(members)
-            else members,
-            layout(kind, values[members[0]]),
-            {
-                path: np.array([list(split[one][place]) for one in members], np.uint8)
-                for place, path in enumerate(paths)
-            },
-            np.array([channels.channel(topics[one], kind) for one in members], np.uint16),
+    split = [[text.encode() for text in own] for own in texts]
+    for number, own in enumerate(split):
+        groups.setdefault(tuple(map(len, own)), []).append(number)
+    for members in groups.values():
+        yield (
+            members,
+            [
+                np.array([list(split[one][place]) for one in members], np.uint8)
+                for place in range(len(split[members[0]]))
+            ],
         )
-        for members in groups.values()
-    ]
-    return memo[key]
 
 
-def text_at(value: dict[str, Any], path: str) -> str:
-    for key in path.split("."):
-        value = value[key]
-    return str(value)
-
-
-def spread(alike: SameLayout, when: Stamps, values: Mapping[str, Values]) -> Block:
-    """One message for each stamp and member, in this order; values of (t, k, ...)."""
-    filled = {
-        "header.stamp.sec": when.seconds[:, None, None],
-        "header.stamp.nanosec": when.rest[:, None, None],
-        **alike.texts,
-        **values,
-    }
-    shape = len(when.ns), len(alike.channels)
-    return Block(alike.layout, shape, alike.channels, when.ns[:, None], filled)
-
-
-def odometry_blocks(
-    channels: Channels,
-    memo: Memo,
-    names: Sequence[str],
-    ticks: Sequence[TickState],
-    when: Stamps,
-) -> list[Block]:
+def odometry_forms(channels: Channels, sheet: Sheet) -> Iterator[Form]:
     """/NAME/odom of all robots: what each believes of its pose, and how fast it is."""
-
-    def messages() -> tuple[list[dict[str, Any]], list[str]]:
-        return [
-            {"header": {"frame_id": f"{name}/odom"}, "child_frame_id": base(name)} for name in names
-        ], [f"/{name}/odom" for name in names]
-
-    poses = np.stack([state.odometry for state in ticks if state.odometry is not None])
-    speeds = np.frombuffer(b"".join([state.velocities for state in ticks])).reshape(poses.shape)
-    half = 0.5 * poses[..., 2]
-    fields = {
-        "pose.pose.position.x": poses[..., 0],
-        "pose.pose.position.y": poses[..., 1],
-        "pose.pose.orientation.z": np.sin(half),
-        "pose.pose.orientation.w": np.cos(half),
-        "twist.twist.linear.x": speeds[..., 0],
-        "twist.twist.linear.y": speeds[..., 1],
-        "twist.twist.angular.z": speeds[..., 2],
-    }
-    paths = ("header.frame_id", "child_frame_id")
-    return [
-        spread(alike, when, {path: all_[:, alike.members, None] for path, all_ in fields.items()})
-        for alike in by_layout(channels, memo, len(names), "nav_msgs/Odometry", messages, paths)
-    ]
+    names = sheet.names
+    for members, (frames, children) in by_lengths([(f"{name}/odom", base(name)) for name in names]):
+        like = {
+            "header": {"frame_id": "x" * frames.shape[1]},
+            "child_frame_id": "x" * children.shape[1],
+        }
+        topics = [f"/{names[one]}/odom" for one in members]
+        numbers = [channels.channel(topic, "nav_msgs/Odometry") for topic in topics]
+        form = Form(layout("nav_msgs/Odometry", like), numbers, members)
+        form.stamp("header.stamp")
+        form.text("header.frame_id", frames).text("child_frame_id", children)
+        pose, speed = sheet.at["odometry"], sheet.at["velocities"]
+        form.paste(FLOATS, "pose.pose.position.x", pose, stride=ROW)
+        form.paste(FLOATS, "pose.pose.position.y", pose + 8, stride=ROW)
+        form.paste(SIN, "pose.pose.orientation.z", pose + 16, stride=ROW)
+        form.paste(COS, "pose.pose.orientation.w", pose + 16, stride=ROW)
+        form.paste(FLOATS, "twist.twist.linear.x", speed, stride=ROW)
+        form.paste(FLOATS, "twist.twist.linear.y", speed + 8, stride=ROW)
+        form.paste(FLOATS, "twist.twist.angular.z", speed + 16, stride=ROW)
+        yield form
 
 
-def reading_blocks(channels: Channels, ticks: Sequence[TickState]) -> list[Block]:
-    """The readings of all sensors that were sensed in these ticks."""
-    together: dict[tuple[int, bytes], list[tuple[TickState, Fans]]] = {}
-    for state in ticks:
-        for fans in state.fans:
-            key = id(fans.source), fans.rows.tobytes()
-            together.setdefault(key, []).append((state, fans))
-    found: list[Block] = []
-    for same in together.values():
-        source, rows = same[0][1].source, same[0][1].rows
-        if len(rows):
-            found += WRITERS[source.kind](channels, source, rows, same)
-    return found
-
-
-def scan_blocks(
-    channels: Channels, source: SensorGroup, rows: NDArray[np.int64], same: Any
-) -> Iterator[Block]:
+def scan_writers(channels: Channels, sheet: Sheet, read: Read) -> Iterator[Writer]:
     """sensor_msgs/LaserScan; with what came back along the rays, where that is measured."""
-    samples = source.samples
-    intense = same[0][1].intensities is not None
-
-    def messages() -> tuple[list[dict[str, Any]], list[str]]:
-        values = [
-            {
-                "header": {"frame_id": source.members[row][1]},
-                "angle_min": -0.5 * source.fov if samples > 1 else 0.0,
-                "angle_max": 0.5 * source.fov if samples > 1 else 0.0,
-                "angle_increment": source.fov / max(samples - 1, 1),
-                "range_min": source.min_range,
-                "range_max": source.max_range,
-                "ranges": np.zeros(samples),
-                "intensities": np.zeros(samples if intense else 0),
-            }
-            for row in rows.tolist()
-        ]
-        return values, [source.members[row][0] for row in rows.tolist()]
-
-    kind, path = "sensor_msgs/LaserScan", ("header.frame_id",)
-    when = stamps_of([state for state, _ in same])
-    for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
-        values = {"ranges": [fans.ranges[alike.members] for _, fans in same]}
-        if intense:
-            values["intensities"] = [fans.intensities[alike.members] for _, fans in same]
-        yield spread(alike, when, values)
+    group, samples = read.group, read.group.samples
+    own = [group.members[row] for row in read.rows]
+    for members, (frames,) in by_lengths([(frame,) for _, frame in own]):
+        like = {
+            "header": {"frame_id": "x" * frames.shape[1]},
+            "angle_min": -0.5 * group.fov if samples > 1 else 0.0,
+            "angle_max": 0.5 * group.fov if samples > 1 else 0.0,
+            "angle_increment": group.fov / max(samples - 1, 1),
+            "range_min": group.min_range,
+            "range_max": group.max_range,
+            **{field: np.zeros(samples) for field in read.sources},
+        }
+        numbers = [channels.channel(own[one][0], "sensor_msgs/LaserScan") for one in members]
+        form = Form(layout("sensor_msgs/LaserScan", like), numbers, members)
+        form.stamp("header.stamp").text("header.frame_id", frames)
+        for field, source in read.sources.items():
+            at = sheet.at[source]
+            form.paste(BYTES, field, at, step=SINGLE, stride=SINGLE * samples)
+        yield writer_of(form)
 
 
-def range_blocks(
-    channels: Channels, source: SensorGroup, rows: NDArray[np.int64], same: Any
-) -> Iterator[Block]:
+def range_writers(channels: Channels, sheet: Sheet, read: Read) -> Iterator[Writer]:
     """sensor_msgs/Range: a message for each element of a ring."""
-
-    def messages() -> tuple[list[dict[str, Any]], list[str]]:
-        values = [
-            {
-                "header": {"frame_id": f"{source.members[row][1]}_{element}"},
-                "radiation_type": INFRARED,
-                "field_of_view": source.fov,
-                "min_range": source.min_range,
-                "max_range": source.max_range,
-            }
-            for row in rows.tolist()
-            for element in range(source.samples)
-        ]
-        return values, [source.members[row][0] for row in rows for _ in range(source.samples)]
-
-    ranges = np.stack([fans.ranges for _, fans in same]).reshape(len(same), -1)
-    kind, path = "sensor_msgs/Range", ("header.frame_id",)
-    when = stamps_of([state for state, _ in same])
-    for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
-        yield spread(alike, when, {"range": ranges[:, alike.members, None]})
-
-
-def blob_blocks(
-    channels: Channels, source: SensorGroup, rows: NDArray[np.int64], same: Any
-) -> Iterator[Block]:
-    """troupe_msgs/Blobs: cameras that see equally many blobs have messages of one size."""
-    kind, path = "troupe_msgs/Blobs", ("header.frame_id",)
-    when = stamps_of([state for state, _ in same])
-    width, height = source.size
-
-    def messages() -> tuple[list[dict[str, Any]], list[str]]:
-        values = [
-            {"header": {"frame_id": source.members[row][1]}, "width": width, "height": height}
-            for row in rows.tolist()
-        ]
-        return values, [source.members[row][0] for row in rows.tolist()]
-
-    counts = np.stack([fans.counts for _, fans in same])
-    blobs = np.frombuffer(b"".join([fans.blobs for _, fans in same]), BLOB)
-    firsts = (np.cumsum(counts) - counts.reshape(-1)).reshape(counts.shape)
-    for alike in by_layout(channels, source.memo, rows.tobytes(), kind, messages, path):
-        own, own_firsts = counts[:, alike.members], firsts[:, alike.members]
-        frame = alike.texts[path[0]]
-        for count in np.unique(own).tolist():
-            ticks, which = np.nonzero(own == count)
-            part = when.at(ticks)
-            head = {"frame_id": "x" * frame.shape[1]}
-            like = {"header": head, "width": width, "height": height, "blobs": [{}] * count}
-            values: dict[str, Values] = {
-                "header.stamp.sec": part.seconds[:, None],
-                "header.stamp.nanosec": part.rest[:, None],
-                "header.frame_id": frame[which],
-            }
-            if count:
-                these = blobs.take(own_firsts[ticks, which, None] + np.arange(count))
-                values |= {f"blobs.{name}": these[name] for name in BLOB_FIELDS}
-            one = blob_layout(source, count, like)
-            yield Block(one, (len(ticks),), alike.channels[which], part.ns, values)
+    group = read.group
+    own = [
+        (group.members[row][0], f"{group.members[row][1]}_{element}")
+        for row in read.rows
+        for element in range(group.samples)
+    ]
+    for members, (frames,) in by_lengths([(frame,) for _, frame in own]):
+        like = {
+            "header": {"frame_id": "x" * frames.shape[1]},
+            "radiation_type": INFRARED,
+            "field_of_view": group.fov,
+            "min_range": group.min_range,
+            "max_range": group.max_range,
+        }
+        numbers = [channels.channel(own[one][0], "sensor_msgs/Range") for one in members]
+        form = Form(layout("sensor_msgs/Range", like), numbers, members)
+        form.stamp("header.stamp").text("header.frame_id", frames)
+        at = sheet.at[read.sources["ranges"]]
+        form.paste(BYTES, "range", at, step=SINGLE, stride=SINGLE)
+        yield writer_of(form)
 
 
-def blob_layout(source: SensorGroup, count: int, like: dict[str, Any]) -> Layout:
-    """The layout of messages of so many blobs, made once."""
-    key = count, len(like["header"]["frame_id"])
-    if key not in source.layouts:
-        source.layouts[key] = layout("troupe_msgs/Blobs", like)
-    found: Layout = source.layouts[key]
-    return found
+def blob_writers(channels: Channels, sheet: Sheet, read: Read) -> Iterator[Writer]:
+    """troupe_msgs/Blobs: as many as each camera sees."""
+    own = [read.group.members[row] for row in read.rows]
+    numbers = [channels.channel(topic, "troupe_msgs/Blobs") for topic, _ in own]
+    seen_by = cameras(numbers, [frame for _, frame in own], *read.group.size)
+    at = sheet.at[read.sources["blobs"]]
+    yield lambda page, part: write_blobs(page, part, seen_by, at)
 
 
-WRITERS = {
-    "scan": scan_blocks,
-    "intensities": scan_blocks,
-    "elements": range_blocks,
-    "blobs": blob_blocks,
+WRITERS: dict[str, Callable[[Channels, Sheet, Read], Iterator[Writer]]] = {
+    "scan": scan_writers,
+    "intensities": scan_writers,
+    "elements": range_writers,
+    "blobs": blob_writers,
 }
 """What can be written of readings, by their kind."""

@@ -1,4 +1,4 @@
-"""The log's one hook into a run: after every tick it copies the engine's state for the writer."""
+"""The log's one hook into a run: after every tick the engine's state is noted for the writer."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.log import commands
 from sim.log.errors import LogError
 from sim.log.events import News
-from sim.log.moment import Event, Floor, TickState
+from sim.log.moment import Floor, Painted, Touched
 from sim.log.scene import map_event, wall_event
 from sim.log.sensed import ALL, Sensed
+from sim.log.tape import WATCH, Sheet, Source, Tape
 from sim.log.world import attachments
 from sim.log.writer import LogWriter
 from sim.strictjson import dumps
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
     from sim.engine import Engine
     from sim.result import Result
 
+CONTACTS, COLORS = 2, 1
+"""Of the bits for what is watched."""
+NO_PAINT = math.nan
 OF_ROBOTS = ("odometry", "commands")
 """What a log can hold of all robots besides their sensors' readings."""
 
@@ -37,7 +42,12 @@ def open_log(
     `odometry`, `commands`). about: what runs, as texts. Raises LogError for what cannot be.
     """
     check_request(path, loaded, sensors)
-    writer = LogWriter(path, f"troupe {about.get('version', '')}".strip(), about)
+    writer = LogWriter(
+        path,
+        f"troupe {about.get('version', '')}".strip(),
+        about,
+        with_twists=ALL in sensors or "commands" in sensors,
+    )
     try:
         for name, kind, data in attachments(loaded):
             writer.attach(name, kind, data)
@@ -45,7 +55,6 @@ def open_log(
         writer.close({})
         path.unlink(missing_ok=True)
         raise
-    writer.tick_blocks.with_twists = ALL in sensors or "commands" in sensors
     return Recorder(writer, loaded, frozenset(sensors))
 
 
@@ -68,7 +77,7 @@ def check_request(path: Path, loaded: LoadedWorld, sensors: Sequence[str]) -> No
 
 
 class Recorder:
-    """Hands the writer a copy of each tick's state, and events where something has changed."""
+    """Notes each tick's state on the writer's tapes, and hands it what has happened besides."""
 
     def __init__(self, writer: LogWriter, loaded: LoadedWorld, sensors: frozenset[str]) -> None:
         self.writer = writer
@@ -77,67 +86,108 @@ class Recorder:
         self.news = News(loaded)
         self.sensed = Sensed(sensors)
         self.distances = np.zeros(0)
-        self.contacts = b""
+        self.count = 0  # robots of which the tape has rows
+        self.counted = np.zeros(0, np.int64)  # contacts, when some began last
         self.told = -1  # the stage's count of commands when they were last looked at
         self.reach: dict[tuple[int, int], float] = {}
         self.floor: Floor | None = None
         self.sprayed = False
         self.movables = len(loaded.layout.movables)
+        self.movable_poses = np.zeros((self.movables, 3))
+        self.tape: Tape | None = None
+        self.commands = commands.fresh(0)  # the last ones that were noted
         self.low = loaded.layout.low
+        self.keeps_readings = bool(sensors)
         self.wants_odometry = self.sensed.wants("odometry")
         for event in (wall_event(loaded.layout), map_event(loaded.layout)):
-            writer.put(event, 0)
+            writer.put(event)
 
     def line(self, text: str) -> None:
         """Keep a line that was meant for people, of whatever thread."""
         self.news.line(text)
 
     def each_tick(self, engine: Engine) -> None:
-        """Take the state at the end of a tick."""
+        """Note the state at the end of a tick."""
         if self.writer.error is not None:
             self.tell()
             return
-        stage, scenery = engine.scenery.stage, engine.scenery
-        events = self.events(engine)
-        coverage = math.nan
-        painted: Sequence[tuple[int, int, NDArray[np.int16]]] = ()
+        scenery = engine.scenery
+        stage, tape = scenery.stage, self.tape
+        if self.news.any(engine):
+            for event in self.news.since(engine):
+                self.writer.put(event)
         if self.sprayed or engine.spraying.on:
-            painted = self.windows(engine)
+            self.paint(engine)
+        if self.movables:
+            self.movable_poses[:] = stage.movable_poses
+        if (
+            tape is None
+            or stage.count != self.count
+            or (self.keeps_readings and self.sensed.moved(scenery.suite))
+        ):
+            tape = self.tape = self.writer.tape(self.sheet(engine))
+        coverage = NO_PAINT
         if self.floor is not None and scenery.floor.painted_area > 0.0:
             coverage = scenery.floor.coverage
-        contacts = stage.contact_counts.tobytes()
-        touched = None
-        if contacts != self.contacts:
-            robots, points = stage.contact_points
-            touched, self.contacts = (robots.copy(), points.copy()), contacts
-        movers = b""
-        if stage.told != self.told:
-            movers, self.told = stage.records.tobytes(), stage.told
-        state = TickState(
-            engine.ticks,
-            engine.time,
-            coverage,
-            len(self.news.records),
-            self.news.colors,
-            stage.poses.tobytes(),
-            stage.velocities.tobytes(),
-            stage.stalls.tobytes(),
-            contacts,
-            movers,
-            stage.movable_poses.tobytes() if self.movables else b"",
-            scenery.odometry.poses.copy() if self.wants_odometry else None,
-            self.sensed.fans(scenery.suite, self.news.names) if self.sensed.wanted else (),
-            events or (),  # rather than many empty lists, which the garbage collector looks into
-            painted,
-            touched,
+        told, self.told = stage.told != self.told, stage.told
+        changes = tape.note(engine.ticks, self.news.time, coverage, told)
+        if changes < 0:
+            tape = self.tape = self.writer.tape(tape.sheet, tape)
+            changes = tape.note(engine.ticks, self.news.time, coverage, told)
+        if changes:
+            self.changed(engine, changes)
+
+    def changed(self, engine: Engine, changes: int) -> None:
+        """Tell of sources that are watched and not as they were."""
+        if changes & CONTACTS:
+            self.touched(engine)
+        if changes & COLORS:
+            for event in self.news.recolored(engine):
+                self.writer.put(event)
+
+    def touched(self, engine: Engine) -> None:
+        """Tell who began to touch something, and where."""
+        stage = engine.scenery.stage
+        counts = stage.contact_counts.copy()
+        before = np.zeros_like(counts)
+        before[: len(self.counted)] = self.counted
+        self.counted = counts
+        robots, points = stage.contact_points_of(np.flatnonzero(counts != before))
+        if len(robots):
+            self.writer.put(Touched(engine.ticks, engine.time, robots, points))
+
+    def sheet(self, engine: Engine) -> Sheet:
+        """What is to be noted of each tick from now on."""
+        stage, scene = engine.scenery.stage, engine.scenery.scene
+        self.count = stage.count
+        self.commands = np.concatenate(
+            [self.commands, commands.fresh(self.count - len(self.commands))]
         )
-        self.writer.put(state, size_of(state))
+        counts, colors = stage.contact_counts, scene.colors
+        seen = np.zeros_like(counts)
+        seen[: len(self.counted)] = self.counted
+        entities = np.array([robot.entity for robot in engine.robots], np.int64)
+        sources = [
+            Source("poses", stage.poses),
+            Source("velocities", stage.velocities),
+            Source("contacts", counts),
+            Source("stalls", stage.stalls),
+            Source("colors", colors, rows=entities),
+            Source("movables", self.movable_poses),
+            Source("new contacts", counts, WATCH, other=seen),
+            Source("new colors", colors, WATCH, other=~colors),  # as if all were new
+        ]
+        if self.wants_odometry:
+            sources.append(Source("odometry", engine.scenery.odometry.poses))
+        readings, read = self.sensed.look(engine.scenery.suite, self.news.names)
+        sources += readings
+        return Sheet(self.news.names, sources, stage.records, self.commands, self.movables, read)
 
     def finish(self, engine: Engine | None, result: Result | None) -> None:
         """Write the rest and the result; the file is whole."""
         if engine is not None and self.writer.error is None:
-            for event in self.events(engine, last=True):
-                self.writer.put(event, 0)
+            for event in self.news.since(engine, last=True):
+                self.writer.put(event)
         rest = {} if result is None else {"result.json": dumps(result.as_json()).encode()}
         self.writer.close(rest)
         self.tell()
@@ -148,13 +198,11 @@ class Recorder:
             complain, self.complain = self.complain, None
             complain(self.writer.error)
 
-    def events(self, engine: Engine, *, last: bool = False) -> list[Event]:
-        """What is new beside the bodies' motion; the writer is told who is new first."""
-        known = len(self.news.names)
-        events = self.news.since(engine, last=last)
-        if len(self.news.names) != known:
-            self.writer.put(list(self.news.names), 0)
-        return events
+    def paint(self, engine: Engine) -> None:
+        """Hand over the floor where it may have been painted in this tick."""
+        windows = self.windows(engine)
+        size = sum(window.nbytes for _, _, window in windows)
+        self.writer.put(Painted(engine.ticks, engine.time, windows), size)
 
     def windows(self, engine: Engine) -> list[tuple[int, int, NDArray[np.int16]]]:
         """Copies of the floor around all that may have been painted in this tick."""
@@ -162,7 +210,7 @@ class Recorder:
         owner, cell = floor.owner, floor.resolution
         if self.floor is None:
             self.floor = Floor(owner.shape[0], owner.shape[1], cell, self.low)
-            self.writer.put(self.floor, 0)
+            self.writer.put(self.floor)
         self.sprayed = bool(engine.spraying.on)
         gone = stage.distances
         found = []
@@ -183,16 +231,3 @@ class Recorder:
                 found.append((row, column, owner[row:last_row, column:last_column].copy()))
         self.distances = gone.copy()
         return found
-
-
-def size_of(state: TickState) -> int:
-    """Bytes that a state takes, roughly: those that it makes in a chunk, or what waits with it."""
-    size = 300 + len(state.movers) + 8 * len(state.velocities)
-    if state.fans:
-        for fans in state.fans:
-            size += fans.ranges.nbytes + len(fans.blobs)
-    if state.odometry is not None:
-        size += 800 * len(state.odometry)
-    if state.painted:
-        size += sum(window.nbytes for _, _, window in state.painted)
-    return size

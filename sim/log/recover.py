@@ -11,9 +11,9 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-from sim.log.blocks import PREFIX, message_indexes
 from sim.log.container import CHUNK_HEAD, MAGIC, LogFile
 from sim.log.errors import LogError
+from sim.log.page import PREFIX, message_indexes
 from sim.log.source import DAMAGES, RECORD, Source, check_ours, parsed, unpack
 from sim.log.writer import reason
 
@@ -95,14 +95,14 @@ def recover(source: Path, target: Path) -> Recovered:
 
 def copy_chunk(out: LogFile, body: memoryview, known: set[tuple[str, int]]) -> None:
     """Copy a chunk as it is, with a new index; its schemas and channels go to the summary."""
-    start, last, size, _ = CHUNK_HEAD.unpack_from(body)
+    _, _, size, _ = CHUNK_HEAD.unpack_from(body)
     channels, times, offsets = messages(unpack(body), out, known)
     if not len(times):
         return
     indexes = message_indexes(channels, times, offsets)
-    begin = out.append(RECORD.pack(Opcode.CHUNK, len(body)), body, indexes.records)
+    begin = out.append(RECORD.pack(Opcode.CHUNK, len(body)), body, indexes.records.data)
     packed = len(body) - CHUNK_HEAD.size - 16
-    out.tail.chunk(indexes, start, last, begin, RECORD.size + len(body), packed, size)
+    out.tail.chunk(indexes, begin, RECORD.size + len(body), packed, size)
 
 
 def messages(

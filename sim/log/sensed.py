@@ -1,14 +1,16 @@
-"""The readings that a log keeps: which groups of sensors, and copies of what they sensed."""
+"""The readings that a log keeps: of which groups of sensors, and where their arrays lie."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sim.log.moment import Fans, SensorGroup
+from sensors.readings import BLOB
+from sim.log.memory import is_plain
+from sim.log.moment import Read, SensorGroup
+from sim.log.tape import BLOBS, NARROW, Source
 
 if TYPE_CHECKING:
     from sensors.suite import Group, Suite
@@ -16,32 +18,88 @@ if TYPE_CHECKING:
 ALL = "all"
 NOUNS = {"scan": "scan", "intensities": "scan", "elements": "range", "blobs": "blobs"}
 """How the topics of readings end, by their kind."""
-NO_RANGES = np.zeros((0, 0), np.float32)
+FIELDS = {
+    "scan": ("ranges",),
+    "elements": ("ranges",),
+    "intensities": ("ranges", "intensities"),
+    "blobs": ("blobs", "counts"),
+}
+"""The arrays of readings that are kept, by their kind."""
+TYPES: dict[str, Any] = {
+    "ranges": np.float64,
+    "intensities": np.float64,
+    "blobs": BLOB,
+    "counts": np.int64,
+}
 
 
 class Sensed:
-    """Copies readings, tick by tick. wanted: types of sensors, or `all`."""
+    """Knows where readings lie. wanted: types of sensors, or `all`."""
 
     def __init__(self, wanted: frozenset[str]) -> None:
         self.wanted = wanted
         self.groups: dict[int, SensorGroup | None] = {}
+        self._known: list[Group] = []
+        self._looked: list[tuple[Group, Any, Any, str, Any]] = []
+        self._copies: list[tuple[Any, Any, str]] = []  # what is copied before it is noted
+        self._restless: set[tuple[int, str]] = set()  # arrays that others take the place of
 
     def wants(self, what: str) -> bool:
         return what in self.wanted or ALL in self.wanted
 
-    def fans(self, suite: Suite, names: Sequence[str]) -> list[Fans]:
-        """What was sensed in this tick, of the sensors that are to be logged."""
-        found = []
-        for group in suite.groups:
-            source = self.source(group)
-            if source is None or not group.rows.size:
+    def look(self, suite: Suite, names: Sequence[str]) -> tuple[list[Source], list[Read]]:
+        """The sources of all that is to be kept of what is sensed now, and whose they are."""
+        self._looked, self._copies, self._known = [], [], list(suite.groups)
+        sources: list[Source] = []
+        found: list[Read] = []
+        for number, group in enumerate(suite.groups):
+            one = self.group(group)
+            if one is None:
                 continue
-            for row in range(len(source.members), len(group.robots)):
-                source.members.append(self.member(suite, group, row, names[int(group.robots[row])]))
-            found.append(COPIES[group.kind](source, group.rows, group.readings))
-        return found
+            for row in range(len(one.members), len(group.robots)):
+                one.members.append(self.member(suite, group, row, names[int(group.robots[row])]))
+            arrays = {}
+            for field in FIELDS[group.kind]:
+                array = getattr(group.readings, field)
+                if (id(group), field) in self._restless or not is_plain(array, TYPES[field]):
+                    own: Any = np.array(array, TYPES[field], order="C")
+                    self._copies.append((own, group.readings, field))
+                    self._looked.append((group, group.rows, group.readings, field, None))
+                    array = own
+                else:
+                    self._looked.append((group, group.rows, group.readings, field, array))
+                arrays[field] = array
+            if not group.rows.size:
+                continue
+            everybody = len(group.rows) == len(group.robots)
+            rows = None if everybody else group.rows
+            if group.kind == "blobs":
+                sources.append(Source(number, arrays["blobs"], BLOBS, rows, arrays["counts"]))
+                named: dict[str, object] = {"blobs": number}
+            else:
+                named = {field: (number, field) for field in arrays}
+                sources += [
+                    Source((number, field), array, NARROW, rows) for field, array in arrays.items()
+                ]
+            found.append(Read(one, group.rows.tolist(), named))
+        return sources, found
 
-    def source(self, group: Group) -> SensorGroup | None:
+    def moved(self, suite: Suite) -> bool:
+        """Whether what was looked for lies elsewhere now, or other sensors are read."""
+        for group, rows, readings, field, array in self._looked:
+            if group.rows is not rows or group.readings is not readings:
+                return True
+            if array is not None and getattr(readings, field) is not array:
+                self._restless.add((id(group), field))
+                return True
+        for own, readings, field in self._copies:
+            array = getattr(readings, field)
+            if array.shape != own.shape:
+                return True
+            np.copyto(own, array)
+        return len(suite.groups) != len(self._known)
+
+    def group(self, group: Group) -> SensorGroup | None:
         """What the log knows of a group; None if it is not to be logged."""
         if id(group) not in self.groups:
             readings, found = group.readings, None
@@ -67,38 +125,3 @@ class Sensed:
         before = sum(NOUNS.get(kind) == noun for kind in kinds)
         number = f"_{before}" if before else ""
         return f"/{name}/{noun}{number}", f"{name}/{noun}{number}"
-
-
-def seen_blobs(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
-    """What cameras saw, of each as many blobs as there are."""
-    counts = readings.counts[rows]
-    most = readings.blobs.shape[1]
-    columns = np.arange(counts.max())
-    robots, numbers = (columns < counts[:, None]).nonzero()
-    blobs = readings.blobs.reshape(-1).take(rows[robots] * most + numbers)
-    return Fans(source, rows, NO_RANGES, None, blobs.tobytes(), counts)
-
-
-def ranges_only(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
-    """What rays hit."""
-    return Fans(source, rows, taken(readings.ranges, rows))
-
-
-def intensities_too(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
-    """What rays hit, and what came back along them."""
-    return Fans(source, rows, taken(readings.ranges, rows), taken(readings.intensities, rows))
-
-
-COPIES: dict[str, Callable[[SensorGroup, NDArray[np.int64], Any], Fans]] = {
-    "scan": ranges_only,
-    "elements": ranges_only,
-    "intensities": intensities_too,
-    "blobs": seen_blobs,
-}
-"""How readings are copied, by their kind."""
-
-
-def taken(values: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Rows of readings as float32; copies."""
-    part = values if len(rows) == len(values) else values[rows]
-    return part.astype(np.float32)

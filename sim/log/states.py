@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim.log.cdr import decode
 from sim.log.contents import STATES
 from sim.log.reader import LogReader, Run
-from sim.log.tick_blocks import STATE, state_layout
+from sim.log.tick_messages import STATE, state_layout
 
 
 class State(NamedTuple):

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 Stretches = tuple[Indices, Floats, Floats]
 NO_POINTS = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
 NO_STRETCHES: Stretches = np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2))
+NOTHING = np.zeros(0, dtype=np.int64)
 _FACTOR = 2**32
 _HALF = 2**31
 
@@ -83,6 +84,17 @@ class Touches:
         """(k,) The robot of each contact point of the latest tick, ascending, and (k, 2) points."""
         return self._located()[0]
 
+    def points_of(self, robots: Indices) -> tuple[Indices, Floats]:
+        """Those points of some robots (r,) alone: quicker where these are few."""
+        if self._latest is None:
+            return NO_POINTS
+        contacts = _involving(self._latest, self._ids, self._things, self._first + robots)
+        found, points, _ = _locate(
+            contacts, self._ids, self._things, self._first, self._keys[: self._touching], NOTHING
+        )
+        own = np.isin(found, robots)
+        return found[own], points[own]
+
     @property
     def stretches(self) -> Stretches:
         """(m,) The robot of each touching stretch of the latest tick, ascending, and (m, 2), (m, 2)
@@ -146,6 +158,29 @@ def _count_pairs(
         if at == earlier or before[at] != keys[k]:
             counts[keys[k] // _FACTOR] += 1
     return found
+
+
+@compiled
+def _involving(contacts: Any, ids: Any, things: Any, wanted: Any) -> Any:
+    """The contacts of the things wanted (r,)."""
+    bodies = np.empty(len(ids), dtype=np.int64)
+    found = 0
+    for k in range(len(things)):
+        for one in wanted:
+            if things[k] == one:
+                bodies[found] = ids[k]
+                found += 1
+                break
+    rows = np.empty(len(contacts), dtype=np.int64)
+    count = 0
+    for row in range(len(contacts)):
+        one, two = np.int64(contacts[row, 0]), np.int64(contacts[row, 1])
+        for k in range(found):
+            if bodies[k] in (one, two):
+                rows[count] = row
+                count += 1
+                break
+    return contacts[rows[:count]]
 
 
 @compiled

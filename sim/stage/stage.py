@@ -447,6 +447,10 @@ class Stage:
         """Robots (k,) ascending, and points (k, 2) in the world, of the latest tick's contacts."""
         return self._touches.points
 
+    def contact_points_of(self, robots: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats]:
+        """Those of some robots (r,) alone: quicker where these are few."""
+        return self._touches.points_of(robots)
+
     @property
     def stretches(self) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Robots (m,) ascending, and where they touched something in the latest tick.

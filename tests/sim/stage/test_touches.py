@@ -71,6 +71,28 @@ def test_contact_points_lie_on_both_bodies() -> None:
     assert points[:, 1].max() == pytest.approx(5.2, abs=0.02)
 
 
+def test_the_contact_points_of_some_robots_are_those_among_all() -> None:
+    shapes = ("box", "circle", "polygon")
+    _, stage = set_up(size=(6.0, 6.0), models={shape: robot(shape) for shape in shapes})
+    rng = np.random.default_rng(5)
+    for k in range(25):
+        place = (k % 5 + 0.7, k // 5 + 0.7)
+        stage.add_robot(shapes[k % 3], (*place, rng.uniform(-3, 3)))
+    some, found = np.arange(0, 25, 3), 0
+    assert len(stage.contact_points_of(some)[0]) == 0
+    for tick in range(24):
+        if tick % 8 == 0:
+            stage.command(np.arange(25), rng.uniform(-0.5, 0.5, (25, 3)))
+        stage.tick()
+        robots, points = stage.contact_points
+        own = np.isin(robots, some)
+        told = stage.contact_points_of(some)
+        assert told[0].tolist() == robots[own].tolist()
+        assert told[1].tobytes() == points[own].tobytes()
+        found += len(told[0])
+    assert found > 0
+
+
 def test_touching_stretches_lie_on_the_robots_own_outlines() -> None:
     kinds = {"a": robot(), "b": robot("circle"), "c": robot("polygon")}
     _, stage = set_up(models=kinds, obstacles=[{"shape": "box", "size": (1, 1), "pose": (5, 5, 9)}])
