@@ -3,6 +3,7 @@
 Rules: reading is free at any time between two ticks. Every change goes through `Context.later`, so
 that it is made robot by robot in the engine's order, and not in that of the messages' arrival.
 What a device keeps for its own clients (how a scan is cut, what was just set) is no change.
+A robot's devices are made when somebody first asks for one of them, which may be never.
 """
 
 from __future__ import annotations

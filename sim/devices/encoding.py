@@ -209,7 +209,7 @@ def encode_blobs(group: Group) -> Sequence[bytes]:
     """blobfinder BLOBS (subtype 1)."""
     readings = group.readings
     assert isinstance(readings, Blobs)
-    blobs = np.ascontiguousarray(readings.blobs, BLOB)
+    blobs = np.ascontiguousarray(readings.blobs.T, BLOB)
     counts = np.ascontiguousarray(readings.counts, np.int64)
     data = blob_words(blobs, counts, group.rows).tobytes()
     head, size = BLOBS.head, BLOBS.element.itemsize

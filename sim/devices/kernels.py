@@ -52,7 +52,9 @@ def write_ranges(
 
 @compiled
 def blob_words(blobs: NDArray[Any], counts: NDArray[np.int64], rows: NDArray[np.int64]) -> Words:
-    """The blobs of rows (m,), one after the other: ten words each, the last one the range."""
+    """Of blobs (capacity, n) those of rows (m,), one after the other: ten words each, the last one
+    the range.
+    """
     total = 0
     for m in range(rows.size):
         total += counts[rows[m]]
@@ -63,7 +65,7 @@ def blob_words(blobs: NDArray[Any], counts: NDArray[np.int64], rows: NDArray[np.
     for m in range(rows.size):
         k = rows[m]
         for j in range(counts[k]):
-            blob = blobs[k, j]
+            blob = blobs[j, k]
             words[at, 0] = swapped(blob.id)
             words[at, 1] = swapped(blob.color)
             words[at, 2] = swapped(blob.area)

@@ -72,10 +72,9 @@ class Sensed:
 def seen_blobs(source: SensorGroup, rows: NDArray[np.int64], readings: Any) -> Fans:
     """What cameras saw, of each as many blobs as there are."""
     counts = readings.counts[rows]
-    most = readings.blobs.shape[1]
     columns = np.arange(counts.max())
     robots, numbers = (columns < counts[:, None]).nonzero()
-    blobs = readings.blobs.reshape(-1).take(rows[robots] * most + numbers)
+    blobs = readings.blobs[rows[robots], numbers]
     return Fans(source, rows, NO_RANGES, None, blobs.tobytes(), counts)
 
 

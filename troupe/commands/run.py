@@ -250,7 +250,7 @@ def run_and_show(
             )
         show(done, as_json, video, picture)
         code = done.result.exit_code or int(done.broken)
-    except (UsageError, *told_errors()) as error:
+    except told_errors() as error:
         print(error, file=sys.stderr)
         code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
@@ -273,7 +273,7 @@ def told_errors() -> tuple[type[Exception], ...]:
     from sim.video.errors import VideoError  # noqa: PLC0415
     from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
 
-    return (VideoError, WorldError, LogError)
+    return (UsageError, VideoError, WorldError, LogError)
 
 
 def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> None:
