@@ -79,7 +79,7 @@ def sense_blobs(settings: BlobfinderSettings, view: View, blobs: Blobs) -> None:
         _channels(settings.colors),
         math.radians(settings.fov),
         blobs.height,
-        blobs.blobs,
+        blobs.blobs.T,
         blobs.counts,
     )
 
@@ -97,7 +97,7 @@ def find_blobs(
     blobs: npt.NDArray[np.void],
     counts: Ints,
 ) -> None:
-    """Write the runs of one colour in `columns` (n, width) into `blobs` (n, width) and `counts`.
+    """Write the runs of one colour in `columns` (n, width) into `blobs` (width, n) and `counts`.
 
     Columns come from the right, blobs are counted from the image's left. `channels` are the
     colours that are told apart, all if there are none; a blob's id is its colour's place in it.
@@ -132,7 +132,7 @@ def find_blobs(
             half = int(math.atan2(0.5 * tall, distance) / angle_per_row)
             left_pixel, right_pixel = width - i, width - 1 - right
             top, bottom = max(middle - half, 0), min(middle + half, image_height)
-            blob = blobs[j, count]
+            blob = blobs[count, j]
             blob.id = channel
             blob.color = color
             blob.left, blob.right = left_pixel, right_pixel

@@ -161,7 +161,11 @@ class Blobs:
 
     kind: ClassVar[str] = "blobs"
     blobs: npt.NDArray[np.void]
-    """(n, capacity) of dtype BLOB; the first `counts` of each row hold, from right to left."""
+    """(n, capacity) of dtype BLOB; the first `counts` of each row hold, from right to left.
+
+    The first blobs of all robots lie side by side, then the second ones, and so on: what nobody
+    sees takes no memory.
+    """
     counts: npt.NDArray[np.int64]
     """(n,) blobs per robot."""
     width: int
@@ -175,7 +179,7 @@ class Blobs:
     def empty(cls, n: int, width: int, height: int) -> Blobs:
         """Images of n robots that have seen nothing yet."""
         hits = np.full((n, width), -1, np.int32)
-        blobs = np.zeros((n, width), BLOB)
+        blobs = np.zeros((width, n), BLOB).T
         return cls(blobs, np.zeros(n, np.int64), width, height, np.zeros((n, width)), hits)
 
     def seen(self, k: int) -> npt.NDArray[np.void]:
@@ -185,7 +189,10 @@ class Blobs:
     def resized(self, n: int) -> Blobs:
         columns = None if self.columns is None else _grown(self.columns, n, 0.0)
         hits = None if self.hits is None else _grown(self.hits, n, -1)
-        blobs, counts = _grown(self.blobs, n, 0), _grown(self.counts, n, 0)
+        counts = _grown(self.counts, n, 0)
+        blobs = np.zeros((self.blobs.shape[1], n), BLOB).T
+        kept, most = min(n, len(self.counts)), self.counts.max(initial=0)
+        blobs[:kept, :most] = self.blobs[:kept, :most]
         return Blobs(blobs, counts, self.width, self.height, columns, hits)
 
     def row(self, k: int) -> Blobs:

@@ -143,6 +143,12 @@ class Suite:
         places = enumerate(self._places)
         return [slot for slot, (group, _) in places if types is None or group.type.name in types]
 
+    def groups_of(self, name: str) -> list[Group]:
+        """The groups of a type of sensors, with those that are new."""
+        if self._new:
+            self._admit()
+        return [group for group in self.groups if group.type.name == name]
+
     def place(self, robot: int, sensor_index: int) -> tuple[Group, int]:
         """Where a sensor's readings stand from the next `sense` on: its group and its row."""
         first = self.first_slot[robot]

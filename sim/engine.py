@@ -9,8 +9,7 @@ somebody watches.
 from __future__ import annotations
 
 import contextlib
-import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -32,6 +31,7 @@ from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError, Functions
 from sim.fleet.routing import Router
 from sim.fleet.sleeping import Sleeping
+from sim.garbage import kept_objects
 from sim.hands import Hands
 from sim.pace import Pace
 from sim.ports import Ports
@@ -230,7 +230,7 @@ class Engine:
 
     def enter_first(self) -> None:
         """The robots that are there from the start enter; all perceive for the first time."""
-        with kept_objects():
+        with kept_objects(len(self.loaded.robots)):
             for spec, pose in zip(self.loaded.robots, self.scenery.start_poses, strict=True):
                 self.entry.enter(spec.name, spec.model, spec.controller, pose, 0.0)
         self.doors.begin(self.scenery.stage)
@@ -371,18 +371,3 @@ def label(path: Path) -> str:
     with contextlib.suppress(ValueError):
         return str(path.resolve().relative_to(Path.cwd()))
     return str(path)
-
-
-@contextlib.contextmanager
-def kept_objects() -> Iterator[None]:
-    """While objects are made that all stay, nobody looks for some that have become useless.
-
-    With ten thousand robots that took a fifth of the time.
-    """
-    looks = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if looks:
-            gc.enable()

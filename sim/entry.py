@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sim.build import LoadedWorld
 from sim.devices.device import Context
-from sim.devices.switchboard import Switchboard
+from sim.devices.switchboard import Port, Switchboard
 from sim.fleet.crew import Crew
 from sim.fleet.driver import Driver, Kind
 from sim.fleet.functions import Controller, Controllers, DirectClient, Functions
@@ -40,7 +40,7 @@ class Entry:
     crew: Crew
     controllers: Controllers
     functions: Functions
-    held: list[tuple[Robot, int, str | None]] | None = field(default_factory=list)
+    held: list[tuple[Robot, str | None]] | None = field(default_factory=list)
 
     def enter(
         self,
@@ -67,14 +67,15 @@ class Entry:
             entity,
             record,
             driver=Driver(index, kind, record, drives=model.drive is not None),
-            port=self.switchboard.add_port(),
+            open_port=self.open_port,
             color=int(self.context.scenery.scene.colors[entity]),
             fiducial=model.fiducial or 0,
             sprayers=[MountedSprayer(one) for one in model.actuators if one.type == "sprayer"],
         )
         self.context.admit(robot)
         self.spraying.admit(robot)
-        first = self.ports.place(robot, self.sensing.devices(robot))
+        if self.ports.shares or any(one.type == "gripper" for one in model.actuators):
+            robot.port  # noqa: B018 - its devices take their places, its paddles show
         self.crew.drivers.enter(robot)
         if function is not None:
             client = DirectClient(
@@ -82,25 +83,31 @@ class Entry:
             )
             self.functions.add(index, client, function)
         if self.held is not None and self.ports.serves(robot):
-            self.held.append((robot, first, controller))
+            self.held.append((robot, controller))
         else:
-            self.serve(robot, first, controller)
+            self.serve(robot, controller)
         return robot
+
+    def open_port(self, robot: Robot) -> Port:
+        """A port with a robot's devices, whether or not anybody can come to it."""
+        port = self.switchboard.add_port()
+        self.ports.place(port, robot, self.sensing.devices(robot))
+        return port
 
     def serve_held(self) -> None:
         """All robots of the start are there: let clients come, and later robots' at once."""
         held, self.held = self.held or [], None
-        for robot, first, controller in held:
-            self.serve(robot, first, controller)
+        for robot, controller in held:
+            self.serve(robot, controller)
 
-    def serve(self, robot: Robot, first: int, controller: str | None) -> None:
+    def serve(self, robot: Robot, controller: str | None) -> None:
         """Open a robot's port, if it is to have one, and start its controller."""
-        number = self.ports.serve(robot, first)
+        number = self.ports.serve(robot)
         if number is not None or robot.driver.launched:
             self.switchboard.reach(robot.port, self.ports.shared)
         if robot.driver.launched:
             assert controller is not None
-            self.launch(robot, controller, number, first)
+            self.launch(robot, controller, number)
 
     def driven_by(self, controller: str | None) -> tuple[Kind, Controller | None]:
         """How robots of a controller are driven in this run, and the function if one drives."""
@@ -112,13 +119,13 @@ class Entry:
             return "function", told
         return (kind if told else "none"), None
 
-    def launch(self, robot: Robot, controller: str, number: int | None, first: int) -> None:
-        """Start a robot's controller; clients over TCP find it at port `number`, index `first`."""
+    def launch(self, robot: Robot, controller: str, number: int | None) -> None:
+        """Start a robot's controller; clients over TCP find it at port `number`."""
         fields = {
             "host": reachable(self.ports.host),
             "port": str(number),
             "name": robot.name,
-            "index": str(first),
+            "index": str(robot.port.first),
             "seed": str(self.seed),
         }
         controllers = self.loaded.world.controllers

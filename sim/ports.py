@@ -65,17 +65,13 @@ class Ports:
         self.hand_told = False  # how to drive a robot by hand
         self.awaited = 0  # robots whose clients are waited for at ports that nobody has chosen
 
-    def place(self, robot: Robot, devices: list[Device]) -> int:
-        """Put the robot's devices at its own port (whether or not that is opened).
-
-        The index at which clients over TCP find its drive, or else its first device: other than
-        0 only where all robots share a port.
-        """
-        found = robot.port.serve(devices)
-        robot.port.directory.time = self.context.time
+    def place(self, port: Port, robot: Robot, devices: list[Device]) -> None:
+        """Put a robot's devices at its own port (whether or not that is opened)."""
+        found = port.serve(devices)
+        port.directory.time = self.context.time
         if self.shares:
             found = self.share(devices, robot, full=robot.model.simulation == "full")
-        return found[devices[0]].index
+        port.first = found[devices[0]].index
 
     def share(self, devices: list[Device], robot: Robot, full: bool) -> dict[Device, DeviceAddr]:
         """The robot's devices at the port of all robots, where there is one simulation:0."""
@@ -91,7 +87,7 @@ class Ports:
         """Whether a robot is to be reached from outside."""
         return self.open or robot.driver.kind in ("command", "external")
 
-    def serve(self, robot: Robot, index: int) -> int | None:
+    def serve(self, robot: Robot) -> int | None:
         """Open the robot's port, if it is to be reached from outside; the port's number."""
         self.server.max_connections = CONNECTIONS + CONNECTIONS_PER_ROBOT * (robot.index + 1)
         driver = robot.driver
@@ -119,12 +115,13 @@ class Ports:
             if self.patience is None:
                 self.say(f"{robot.name}: {where} may come at any time")
             else:
+                index = robot.port.first
                 what = f"position2d:{index} or another of " if driver.drives else ""
                 self.say(
                     f"{robot.name}: waiting for {where} that reads {what}its devices "
                     f"({how_long(self.patience)})"
                 )
-            if driver.drives and index == 0 and not self.hand_told:
+            if driver.drives and robot.port.first == 0 and not self.hand_told:
                 self.hand_told = True
                 self.say(
                     f"  by hand: python -m controllers.keyboard {reachable(self.host)}:{number}"

@@ -7,7 +7,9 @@ and nowhere here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from sim.result import RobotRecord
@@ -29,7 +31,7 @@ class MountedSprayer:
 
 @dataclass(eq=False)
 class Robot:
-    """One robot. `entity` is its body in the sensors' scene, `port` where its devices are."""
+    """One robot. `entity` is its body in the sensors' scene."""
 
     index: int
     name: str
@@ -38,7 +40,7 @@ class Robot:
     entity: int
     record: RobotRecord
     driver: Driver
-    port: Port
+    open_port: Callable[[Robot], Port] = field(repr=False)
     color: int  # 0xRRGGBB, of its body
     fiducial: int  # the id that it carries, 0 for none
     sprayers: list[MountedSprayer]
@@ -47,6 +49,11 @@ class Robot:
     paddles: dict[int, list[Figure]] = field(default_factory=dict)  # of its grippers
     property_names: set[str] = field(default_factory=set)  # of all that it was told to be
     raw_properties: dict[str, bytes] = field(default_factory=dict)  # those that are no JSON
+
+    @cached_property
+    def port(self) -> Port:
+        """Where its devices are: they are made when somebody first asks for them."""
+        return self.open_port(self)
 
     def show_drawings(self) -> None:
         """Let everybody see what its program has drawn by now, and where its paddles are."""

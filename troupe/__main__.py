@@ -18,12 +18,24 @@ if sys.path and sys.path[0] in ("", os.getcwd()) and os.getcwd() != str(ROOT):
 
 def main() -> None:
     """Run the command line."""
-    from troupe.streams import OutputLost, ReaderGone, prepare_streams  # noqa: PLC0415
+    from troupe.leaving import end_process, nobody_waits  # noqa: PLC0415
+    from troupe.streams import prepare_streams  # noqa: PLC0415
 
-    # What is loaded lives to the end: there is nothing to be found in it, again and again.
-    gc.set_threshold(50_000, 10, 10)
+    # What is loaded lives to the end: there is nothing to be found in it.
+    gc.set_threshold(200_000, 10, 10)
     prepare_streams()
+    try:
+        run()
+    except SystemExit as end:
+        if nobody_waits() and (end.code is None or isinstance(end.code, int)):
+            end_process(end.code or 0)
+        raise
+
+
+def run() -> None:
+    """Run the command line; raises SystemExit."""
     from troupe.app import app  # noqa: PLC0415
+    from troupe.streams import OutputLost, ReaderGone  # noqa: PLC0415
 
     try:
         try:

@@ -59,6 +59,8 @@ class Filmed:
         `ending`: what may have to be done at the end goes there. Where that comes with an error
         before all has `begun`, no file stays.
         """
+        if self.picture is None and self.video is None:
+            return None
         from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
         from sim.video.layers import parse_layers  # noqa: PLC0415
         from sim.video.projection import parse_size  # noqa: PLC0415
@@ -84,7 +86,7 @@ class Filmed:
             ending.push(give_up)
             if recorder.notice:
                 say(recorder.notice)
-        return None if still is None and recorder is None else Film(recorder, still)
+        return Film(recorder, still)
 
     def shortfall(self, film: Film | None) -> str | None:
         """What there is to say of a picture of a moment that the run did not come to."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import pickle
 import sys
 from pathlib import Path
 from typing import Any
@@ -33,8 +34,8 @@ def sealed(data: bytes) -> bytes:
 def is_whole(data: bytes) -> bool:
     """Whether bytes are what was written, as far as that can be told: old ones have no seal."""
     size = len(SEAL) + hashlib.sha256().digest_size
-    body, seal = data[:-size], data[-size:]
-    return not seal.startswith(SEAL) or sealed(body) == data
+    body, seal = memoryview(data)[:-size], data[-size:]
+    return not seal.startswith(SEAL) or seal == SEAL + hashlib.sha256(body).digest()
 
 
 def distrust_cache() -> None:
@@ -56,7 +57,7 @@ def distrust_cache() -> None:
     if hasattr(file, "_troupe"):
         return
     file._troupe = True
-    load_index, load_data, dump = file._load_index, file._load_data, file._dump
+    load_index, dump = file._load_index, file._dump
     load_overload, save_overload = cache._load_overload, cache._save_overload
     load_prepared = cache.load_overload
 
@@ -67,9 +68,10 @@ def distrust_cache() -> None:
             return {}
 
     def whole_data(self: Any, name: str) -> Any:
-        if not is_whole(Path(self._data_path(name)).read_bytes()):
+        data = Path(self._data_path(name)).read_bytes()
+        if not is_whole(data):
             raise OSError(f"{name} is damaged")
-        return load_data(self, name)
+        return pickle.loads(data)
 
     def loaded(self: Any, sig: Any, target_context: Any) -> Any:
         try:
@@ -85,7 +87,7 @@ def distrust_cache() -> None:
     file._load_data = whole_data
 
     def load_unprepared(self: Any, sig: Any, target_context: Any) -> Any:
-        if self._py_func.__module__.partition(".")[0] not in PLAIN:
+        if not is_plain(self._py_func.__module__):
             return load_prepared(self, sig, target_context)
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
@@ -108,3 +110,53 @@ def distrust_cache() -> None:
     cache.load_overload = load_unprepared
     cache._load_overload = loaded
     cache._save_overload = saved
+    read_code_alone()
+
+
+def read_code_alone() -> None:
+    """From now on one of our kernels that comes out of the cache is its machine code, and no more.
+
+    Beside it stands its bitcode, of which kernels are made that call it. numba itself reads that as
+    well, which takes longer than the code; here it is read when another kernel is compiled with it.
+    """
+    from llvmlite import binding  # noqa: PLC0415
+    from numba.core import codegen, compiler  # noqa: PLC0415 - slow to load
+
+    library: Any = codegen.CPUCodeLibrary
+    result: Any = compiler.CompileResult
+    unserialize, for_linking = library._unserialize, library._get_module_for_linking
+    rebuild = result._rebuild
+
+    def rebuilt(kind: Any, context: Any, kept: Any, described: Any, *rest: Any) -> Any:
+        if kept[1] == "object" and is_plain(described.modname):
+            kept = kept[0], "code", kept[2]
+            known = context.codegen()._engine._defined_symbols
+            known.add(described.llvm_cpython_wrapper_name)  # by which Python calls it
+        return rebuild(context, kept, described, *rest)
+
+    def code_alone(kind: Any, codegen: Any, kept: Any) -> Any:
+        name, form, data = kept
+        if form != "code":
+            return unserialize(codegen, kept)
+        made = codegen.create_library(name)
+        code, made._bitcode = data
+        made.enable_object_caching()
+        made._set_compiled_object(code)
+        made._finalize_final_module()
+        return made
+
+    def with_bitcode(self: Any) -> Any:
+        bitcode = self.__dict__.pop("_bitcode", None)
+        if bitcode is not None:
+            self._shared_module = binding.parse_bitcode(bitcode)
+            self._codegen._engine._load_defined_symbols(self._shared_module)
+        return for_linking(self)
+
+    result._rebuild = classmethod(rebuilt)
+    library._unserialize = classmethod(code_alone)
+    library._get_module_for_linking = with_bitcode
+
+
+def is_plain(module: str) -> bool:
+    """Whether the kernels of a module are of those that need nothing of numba."""
+    return module.partition(".")[0] in PLAIN

@@ -97,40 +97,59 @@ def find_sensor(suite: Suite, name: str) -> Place:
     kind, _, number = name.partition(":") if isinstance(name, str) else ("", "", "?")
     if number and not number.isdecimal():
         raise ValueError(f"{name!r} is no sensor: write it as laser, or laser:1")
-    index = int(number or 0)
-    found: list[tuple[int, int, Group, int]] = []
-    known: dict[str, int] = {}
-    for robot in range(len(suite.first_slot)):
-        seen: dict[str, int] = {}
-        last = suite.first_slot[robot + 1] if robot + 1 < len(suite.first_slot) else suite.slots
-        for number_of_sensor in range(last - suite.first_slot[robot]):
-            group, row = suite.place(robot, number_of_sensor)
-            own = group.type.name
-            if own == kind and seen.get(own, 0) == index:
-                found.append((robot, suite.first_slot[robot] + number_of_sensor, group, row))
-            seen[own] = seen.get(own, 0) + 1
-            known[own] = max(known.get(own, 0), seen[own])
-    if not found:
-        there = ", ".join(f"{one}:{k}" for one, count in known.items() for k in range(count))
+    groups = suite.groups_of(kind)
+    robots, slots, numbers, rows = (
+        np.concatenate([np.zeros(0, np.int64), *parts])
+        for parts in (
+            [group.robots for group in groups],
+            [group.slots for group in groups],
+            [np.full(len(group.robots), number) for number, group in enumerate(groups)],
+            [np.arange(len(group.robots)) for group in groups],
+        )
+    )
+    order = np.argsort(slots)  # robot by robot, and of each in the order of its sensors
+    chosen = order[places_among_equals(robots[order]) == int(number or 0)]
+    if not len(chosen):
+        there = ", ".join(f"{one}:{k}" for one, count in counts(suite) for k in range(count))
         raise ValueError(f"no robot has a sensor {name!r}; there are: {there or 'none'}")
-    groups = tuple({id(group): group for _, _, group, _ in found}.values())
-    members = [[j for j, one in enumerate(found) if one[2] is group] for group in groups]
+    known, first = np.unique(numbers[chosen], return_index=True)
+    known = known[np.argsort(first)]
+    members = [np.flatnonzero(numbers[chosen] == number) for number in known]
     return Place(
-        np.array([one[0] for one in found], np.int64),
-        np.array([one[1] for one in found], np.int64),
-        groups,
+        robots[chosen],
+        slots[chosen],
+        tuple(groups[number] for number in known),
         tuple(
-            chosen([found[j][3] for j in js], group)
-            for js, group in zip(members, groups, strict=True)
+            rows_of(rows[chosen[member]], groups[number])
+            for member, number in zip(members, known, strict=True)
         ),
-        np.argsort(np.array([j for js in members for j in js], np.int64)),
+        np.argsort(np.concatenate(members)),
     )
 
 
-def chosen(rows: list[int], group: Group) -> Rows:
+def places_among_equals(values: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Of values (n,) in which equals stand side by side, the place of each among its equals.
+
+    >>> places_among_equals(np.array([4, 4, 4, 7, 9, 9])).tolist()
+    [0, 1, 2, 0, 0, 1]
+    """
+    places = np.arange(len(values))
+    begins = np.append(True, values[1:] != values[:-1])[: len(values)]
+    return places - np.maximum.accumulate(np.where(begins, places, 0))
+
+
+def counts(suite: Suite) -> list[tuple[str, int]]:
+    """The types of sensors that there are, and how many of each a robot has at the most."""
+    found = []
+    for name in dict.fromkeys(group.type.name for group in suite.groups):
+        robots = np.concatenate([group.robots for group in suite.groups_of(name)])
+        found.append((name, int(np.bincount(robots).max(initial=0))))
+    return found
+
+
+def rows_of(rows: NDArray[np.int64], group: Group) -> Rows:
     """Rows of a group's readings; None where these are all of them, in their order."""
-    everybody = rows == list(range(len(group.robots)))
-    return None if everybody else np.array(rows, np.int64)
+    return None if np.array_equal(rows, np.arange(len(group.robots))) else rows
 
 
 def readings_of(place: Place, name: str, time: float) -> Readings:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import sys
-from traceback import print_exception
+from types import TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
 from player.printable import printable_lines
@@ -60,7 +60,16 @@ def prepare_streams() -> None:
         sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - as long as we live
     sys.stdout = _writer(sys.stdout, 1, vital=True)
     sys.stderr = _writer(sys.stderr, 2, vital=False)
-    sys.excepthook = print_exception  # without the colours that Python 3.13 and later add
+    sys.excepthook = print_plainly
+
+
+def print_plainly(
+    kind: type[BaseException], error: BaseException, trace: TracebackType | None
+) -> None:
+    """A traceback without the colours that Python 3.13 and later add."""
+    from traceback import print_exception  # noqa: PLC0415 - loaded where something goes wrong
+
+    print_exception(kind, error, trace)
 
 
 class Writer(io.TextIOWrapper):

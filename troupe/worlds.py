@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from sim.worldfile.mistakes import Mistake, WorldError, listed, suggestion
-
 SUFFIXES = (".yaml", ".yml")
 
 
@@ -46,6 +44,13 @@ def find_world(world: str | Path) -> Path:
             shipped = folder / f"{text}{suffix}"
             if os.path.isfile(shipped) and shipped.suffix in SUFFIXES:
                 return shipped
+    from sim.worldfile.mistakes import (  # noqa: PLC0415 - loads the schema
+        Mistake,
+        WorldError,
+        listed,
+        suggestion,
+    )
+
     names = world_names()
     near = _beside(path) or suggestion(path.stem, names)
     what = (
@@ -63,4 +68,6 @@ def _beside(path: Path) -> str:
         names = sorted(entry.name for entry in path.parent.iterdir() if entry.suffix in SUFFIXES)
     except OSError:
         return f"; there is no folder {path.parent}"
+    from sim.worldfile.mistakes import suggestion  # noqa: PLC0415 - loads the schema
+
     return suggestion(path.name, names)

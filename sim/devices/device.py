@@ -4,8 +4,9 @@ Rules: reading is free at any time between two ticks. Every change goes through 
 that it is made robot by robot in the engine's order, and not in that of the messages' arrival.
 What a device keeps for its own clients (how a scan is cut, what was just set) is no change.
 
-A device whose data are a message of a batch may say so: `standing()` is a `rounds.Standing`, or
-None as long as it encodes its own. That may change only in a request.
+A robot's devices are made when somebody first asks for one of them, which may be never. A device
+whose data are a message of a batch may say so: `standing()` is a `rounds.Standing`, or None as long
+as it encodes its own. That may change only in a request.
 """
 
 from __future__ import annotations

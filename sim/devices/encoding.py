@@ -159,7 +159,7 @@ class BlobRows:
     def __call__(self, group: Group) -> Batch:
         readings = group.readings
         assert isinstance(readings, Blobs)
-        blobs = np.ascontiguousarray(readings.blobs, BLOB)
+        blobs = np.ascontiguousarray(readings.blobs.T, BLOB)
         counts = np.ascontiguousarray(readings.counts, np.int64)
         size = readings.width, readings.height
         messages = self.messages

@@ -61,7 +61,7 @@ def write_blobs(
     words: Words,
     starts: NDArray[np.int64],
 ) -> int:
-    """Write the blobs of rows (m,) as messages, one after the other: ten words each blob.
+    """Write of blobs (capacity, n) those of rows (m,) as messages: ten words each blob.
 
     `starts` (m + 1,): where each begins. The number of words that are needed: with more than there
     are, nothing is written.
@@ -83,7 +83,7 @@ def write_blobs(
         words[at + 2] = words[at + 3] = swapped(counts[k])
         at += 4
         for j in range(counts[k]):
-            blob = blobs[k, j]
+            blob = blobs[j, k]
             words[at] = swapped(blob.id)
             words[at + 1] = swapped(blob.color)
             words[at + 2] = swapped(blob.area)

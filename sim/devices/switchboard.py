@@ -24,6 +24,9 @@ class Port:
         self.devices: dict[DeviceAddr, Device] = {}
         self.robots: dict[Robot, None] = {}
         self.counts: Counter[int] = Counter()  # devices by interface
+        self.first = 0
+        """The index at which clients over TCP find a robot's drive, or else its first device: other
+        than 0 only where all robots share a port."""
 
     def serve(self, devices: Iterable[Device]) -> dict[Device, DeviceAddr]:
         """Serve devices at the next free index of their interfaces; where each is found."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import resource
+import select
 import signal
 import socket
 import subprocess
@@ -222,13 +223,29 @@ class Fleet:
             self.theirs.close()
             return
         try:
-            self.process.wait(timeout=2)
+            wait_for(self.process, 2.0)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
             for pid in self.pids.values():
                 kill_group(pid)
         self.pids.clear()
+
+
+def wait_for(process: subprocess.Popen[bytes], seconds: float) -> None:
+    """Wait for the end of a process; raises TimeoutExpired.
+
+    Where the system tells of it (Linux), at once: Python itself looks, and sleeps ever longer.
+    """
+    with contextlib.suppress(AttributeError, OSError):
+        told = os.pidfd_open(process.pid)
+        try:
+            poll = select.poll()
+            poll.register(told, select.POLLIN)
+            poll.poll(1000 * seconds)
+        finally:
+            os.close(told)
+    process.wait(timeout=seconds)
 
 
 def raise_descriptor_limit() -> None:

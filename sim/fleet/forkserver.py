@@ -271,6 +271,7 @@ def main() -> None:
         server.serve()
     finally:
         server.end_all()
+    os._exit(0)  # at once: the simulator waits for it, and nothing is to be taken apart
 
 
 if __name__ == "__main__":

@@ -8,20 +8,21 @@ what a program in a process of its own would read and command.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from player import DeviceAddr, PlayerRefused, Proxy, messages
-from player.client import PlayerClient
+from player import DeviceAddr, PlayerRefused, messages
 from player.codes import MessageType
 from player.header import HEADER, HEADER_SIZE
-from player.robot import Robot
 from sim.devices.device import Context, Device, Refused
 from sim.devices.switchboard import Port
 from sim.result import Result
 
-Controller = Callable[[Robot], None]
+if TYPE_CHECKING:
+    from player import PlayerClient, Proxy, Robot
+
+Controller = Callable[["Robot"], None]
 Controllers = bool | Mapping[str, Controller | bool]
 """True: those of the world; False: none; or by name, whether one is started, or a function."""
 
@@ -168,7 +169,9 @@ class Functions:
 
     def add(self, index: int, client: DirectClient, function: Controller) -> None:
         """Robot `index` is driven by a function from the next tick on."""
-        self.robots[index] = (Robot(cast(PlayerClient, client)), client, function)
+        from player import Robot  # noqa: PLC0415 - loads all proxies, which few runs need
+
+        self.robots[index] = (Robot(cast("PlayerClient", client)), client, function)
 
     def subscribed(self) -> list[Device]:
         """The devices that functions read."""

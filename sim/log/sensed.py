@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensors.readings import BLOB
 from sim.log.memory import is_plain
@@ -61,14 +62,15 @@ class Sensed:
             arrays = {}
             for field in FIELDS[group.kind]:
                 array = getattr(group.readings, field)
-                if (id(group), field) in self._restless or not is_plain(array, TYPES[field]):
-                    own: Any = np.array(array, TYPES[field], order="C")
+                laid = as_laid(field, array)
+                if (id(group), field) in self._restless or not is_plain(laid, TYPES[field]):
+                    own: Any = np.array(laid, TYPES[field], order="C")
                     self._copies.append((own, group.readings, field))
                     self._looked.append((group, group.rows, group.readings, field, None))
-                    array = own
+                    laid = own
                 else:
                     self._looked.append((group, group.rows, group.readings, field, array))
-                arrays[field] = array
+                arrays[field] = laid
             if not group.rows.size:
                 continue
             everybody = len(group.rows) == len(group.robots)
@@ -93,7 +95,7 @@ class Sensed:
                 self._restless.add((id(group), field))
                 return True
         for own, readings, field in self._copies:
-            array = getattr(readings, field)
+            array = as_laid(field, getattr(readings, field))
             if array.shape != own.shape:
                 return True
             np.copyto(own, array)
@@ -125,3 +127,8 @@ class Sensed:
         before = sum(NOUNS.get(kind) == noun for kind in kinds)
         number = f"_{before}" if before else ""
         return f"/{name}/{noun}{number}", f"{name}/{noun}{number}"
+
+
+def as_laid(field: str, array: NDArray[Any]) -> NDArray[Any]:
+    """An array of readings as it lies in memory: of blobs all first ones come first."""
+    return array.T if field == "blobs" else array

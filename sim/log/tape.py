@@ -37,8 +37,8 @@ floor; how many commands it has, and where in it they stand."""
 TELLING = 8 * (1 + commands.WIDTH)
 """Bytes of a command: whose it is (int64), and its numbers."""
 COPY, NARROW, BLOBS, WATCH = range(4)
-"""What is done with a source: its bytes are copied; its float64 made float32; of each row of blobs
-as many are copied as there are; it is not noted, but compared with what it was."""
+"""What is done with a source: its bytes are copied; its float64 made float32; of blobs (capacity, n)
+as many of each column are copied as there are; it is not noted, but compared with what it was."""
 SOURCE = 7
 """Numbers that tell of a source: see `Source.numbers`."""
 FIELDS, SOURCES = 6, 6 + commands.WIDTH
@@ -48,7 +48,7 @@ OFFSETS = {name: int(place[1]) for name, place in (MOVER.fields or {}).items()}
 
 
 class Source(NamedTuple):
-    """An array that is part of every row, or some rows of it."""
+    """An array that is part of every row, or some rows of it (of BLOBS: columns)."""
 
     name: object
     array: NDArray[Any]
@@ -56,12 +56,14 @@ class Source(NamedTuple):
     rows: NDArray[np.int64] | None = None
     """(k,) those that are noted; None: all."""
     other: NDArray[Any] | None = None
-    """Of BLOBS: how many each row has, int64. Of WATCH: what was seen last; it is written."""
+    """Of BLOBS: how many each robot has, int64. Of WATCH: what was seen last; it is written."""
 
     @property
     def number(self) -> int:
         """k"""
-        return len(self.array) if self.rows is None else len(self.rows)
+        if self.rows is not None:
+            return len(self.rows)
+        return len(self.array) if self.action != BLOBS else self.array.shape[1]
 
     @property
     def width(self) -> int:
@@ -242,8 +244,9 @@ def _note_source(plan: NDArray[np.int64], source: int, row: int, end: int) -> in
             which = i if rows == 0 else get_long(rows + 8 * i)
             count = get_long(plan[source + 6] + 8 * which)
             put_long(to + 8 * i, count)
-            copy(row + end, address + which * width, count * BLOB_SIZE)
-            end += count * BLOB_SIZE
+            for j in range(count):
+                copy(row + end, address + j * width + which * BLOB_SIZE, BLOB_SIZE)
+                end += BLOB_SIZE
         end += -end % 8
     return end
 

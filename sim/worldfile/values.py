@@ -14,9 +14,12 @@ from sensors.eyes import EYES, Eye
 
 
 class Part(BaseModel):
-    """Base of everything in a world file: unknown keys are mistakes, values never change."""
+    """Base of everything in a world file: unknown keys are mistakes, values never change.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    A part's validator is built when it is first asked for: most are asked as parts of a world only.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
 
 
 def wrong(

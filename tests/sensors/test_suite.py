@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from sensing import Stage
 
+from sensors.readings import Blobs
+
 LASER = {"type": "laser", "samples": 5, "noise": 0.01}
 CAMERA = {"type": "blobfinder", "image": [20, 10]}
 
@@ -159,3 +161,17 @@ def test_a_robot_without_sensors_is_a_robot():
     with pytest.raises(IndexError):
         stage.suite.reading(0, 0)
     assert stage.data(1, 0).ranges.shape == (1, 5)
+
+
+def test_what_a_camera_has_seen_stays_when_another_one_comes_and_lies_side_by_side():
+    blobs = Blobs.empty(3, 16, 12)
+    blobs.counts[:] = [2, 0, 16]
+    blobs.blobs["id"] = np.arange(48).reshape(3, 16)
+    more = blobs.resized(5)
+    assert more.blobs.shape == (5, 16)
+    assert more.counts.tolist() == [2, 0, 16, 0, 0]
+    for row in range(3):
+        assert np.array_equal(more.seen(row), blobs.seen(row))
+    first = more.blobs[:, 0]
+    assert first.flags.c_contiguous  # of all cameras: what lies behind takes no memory
+    assert np.array_equal(more.resized(1).seen(0), blobs.seen(0))

@@ -194,6 +194,35 @@ def test_a_damaged_file_is_compiled_anew_and_mended(
     assert run_kernel(folder) == "42 1\n"
 
 
+CALLER = """
+import numba
+from llvmlite import binding
+from troupe.kernel_cache import distrust_cache
+distrust_cache()
+read = []
+parse = binding.parse_bitcode
+binding.parse_bitcode = lambda *words: read.append(words) or parse(*words)
+import numpy as np
+import troupe
+from sensors.grid import locate
+with troupe.Simulation("wander", controllers=False) as simulation:
+    simulation.step(2)
+    simulation.readings("laser")
+print(len(read))
+@numba.njit
+def located(frame, x, y):
+    return locate(frame, x, y)
+frame = np.array([0.0, 0.0, 1.0, 8.0, 8.0, 1.0, 1.0, 1.0])
+print(located(frame, 2.5, 3.5) == locate.py_func(frame, 2.5, 3.5), len(read) > 0)
+"""
+
+
+def test_a_kept_kernel_is_its_machine_code_until_another_is_compiled_with_it() -> None:
+    """In a process of its own: what is read once is there for all that come later."""
+    done = python(CALLER)
+    assert done.stdout.splitlines() == ["0", "True True"], done.stderr
+
+
 def test_a_seal_tells_what_is_damaged_and_nothing_of_what_has_none() -> None:
     data = bytes(range(256))
     assert is_whole(data)

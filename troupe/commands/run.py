@@ -230,10 +230,7 @@ def run_and_show(
     **options: Any,
 ) -> NoReturn:
     """Run a world to its end, print its result and exit; `options` are those of `run_file`."""
-    from sim.log.errors import LogError  # noqa: PLC0415
-    from sim.video.errors import VideoError  # noqa: PLC0415 - `troupe --help` stays quick
-    from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
-    from troupe.running import run_file  # noqa: PLC0415
+    from troupe.running import run_file  # noqa: PLC0415 - `troupe --help` stays quick
 
     interrupts = Interrupts(again=leave)
     try:
@@ -253,7 +250,7 @@ def run_and_show(
             )
         show(done, as_json, video, picture)
         code = done.result.exit_code or int(done.broken)
-    except (UsageError, VideoError, WorldError, LogError) as error:
+    except told_errors() as error:
         print(error, file=sys.stderr)
         code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
@@ -268,6 +265,15 @@ def run_and_show(
         code = 1
     interrupts.release()
     raise typer.Exit(EXIT_CODE if interrupts.noted else code)
+
+
+def told_errors() -> tuple[type[Exception], ...]:
+    """What a run raises for people to read; loaded where there is something to be told."""
+    from sim.log.errors import LogError  # noqa: PLC0415
+    from sim.video.errors import VideoError  # noqa: PLC0415
+    from sim.worldfile.mistakes import WorldError  # noqa: PLC0415
+
+    return (UsageError, VideoError, WorldError, LogError)
 
 
 def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> None:
