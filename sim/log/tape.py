@@ -37,7 +37,7 @@ floor; how many commands it has, and where in it they stand."""
 TELLING = 8 * (1 + commands.WIDTH)
 """Bytes of a command: whose it is (int64), and its numbers."""
 COPY, NARROW, BLOBS, WATCH = range(4)
-"""What is done with a source: its bytes are copied; its float64 made float32; of blobs (capacity, n)
+"""What is done with a source: its bytes are copied; its float64 made float32; of BLOBS (most, n)
 as many of each column are copied as there are; it is not noted, but compared with what it was."""
 SOURCE = 7
 """Numbers that tell of a source: see `Source.numbers`."""

@@ -104,7 +104,7 @@ def test_blobs_of_any_number_behind_frames_of_any_length_are_as_encoded(
 ) -> None:
     blobs, seen = np.zeros((2, 6), BLOB), np.zeros(2, np.int64)
     blobs["id"], blobs["range"] = 5 + np.arange(6), np.arange(12).reshape(2, 6) / 7.0
-    source = Source("blobs", blobs, BLOBS, None, seen)
+    source = Source("blobs", np.ascontiguousarray(blobs.T), BLOBS, None, seen)
     sheet = Sheet([], [source], np.zeros(0, MOVER), commands.fresh(0))
 
     def change(tick: int) -> None:

@@ -98,7 +98,7 @@ def test_of_blobs_there_are_as_many_as_each_camera_sees() -> None:
     blobs["id"] = np.arange(12).reshape(3, 4)
     counts = np.array([2, 4, 1])
     rows = np.array([0, 2])
-    tape = tape_of([Source("blobs", blobs, BLOBS, rows, counts)])
+    tape = tape_of([Source("blobs", np.ascontiguousarray(blobs.T), BLOBS, rows, counts)])
     tape.note(1, 0.1, 0.0, False)
     counts[:] = 0
     tape.note(2, 0.2, 0.0, False)
