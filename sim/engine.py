@@ -94,7 +94,7 @@ class Engine:
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
         self.spraying = Spraying(self.scenery.floor)
-        self.context = Context(self.scenery, self.interval, things=named_things(world))
+        self.context = Context(self.scenery, self.interval, things=named_things(self.loaded.layout))
         self.switchboard = Switchboard(self.context, self.say)
         self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
         patience = Patience(self.settings.patience)

@@ -8,11 +8,12 @@ and then has sections: u32 number, u32 bytes, and so many bytes, filled up with 
 of four. What a section has not changed since the last message to the same viewer is left out.
 
      1  about      JSON: title, size [m, m], low [m, m] (the lower left corner), models, things, ...
-     2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners
+     2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners;
+                   in a moment too, where a hand has moved some
      3  poses      f32 x, y, yaw (robots)
      4  colors     u32 0xRRGGBB (robots)
      5  states     u8 bits (robots): 1 settled, 2 stalled, 4 touching, 8 waited for
-     6  things     f32 x, y, yaw of every thing that can be pushed
+     6  things     f32 x, y, yaw of every thing that can be pushed or put elsewhere
      7  fans       each: u32 robot, sensor, k; f32 x, y, yaw, fov; f32 ranges (k)
      8  cones      each: u32 robot, sensor, k; f32 fov; f32 x, y, heading, range (k)
      9  sights     each: u32 robot, sensor, k, width, height; f32 x, y, yaw, fov;
@@ -44,7 +45,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.strictjson import plain
-from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Switches
+from sim.video.snapshot import Backdrop
+from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Solid, Switches
 
 MAGIC = 0x31505254
 SCENE, MOMENT = 1, 2
@@ -63,6 +65,7 @@ class Told:
     robots: int = 0
     colors: bytes = b""
     states: bytes = b""
+    backdrop: Backdrop | None = None
     paint: NDArray[np.int16] | None = None
     said: dict[int, tuple[float, str]] = field(default_factory=dict)
     drawn: bytes = b"[]"
@@ -72,11 +75,7 @@ class Told:
 
 def encode_scene(scene: Scene) -> bytes:
     """The first message of a run to a viewer."""
-    corners = np.array([len(vertices) for vertices, _ in scene.solids], "<u4")
-    colors = np.array([color for _, color in scene.solids], "<u4")
-    everything = [np.asarray(vertices, "<f4").tobytes() for vertices, _ in scene.solids]
-    solids = struct.pack("<I", len(corners)) + corners.tobytes() + colors.tobytes()
-    sections = [(ABOUT, _json(scene.about)), (SOLIDS, solids + b"".join(everything))]
+    sections = [(ABOUT, _json(scene.about)), (SOLIDS, _solids(scene.solids))]
     return _message(SCENE, 0.0, 0, 0, sections)
 
 
@@ -99,6 +98,9 @@ def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> by
         told.states = states
     if len(moment.things):
         sections.append((THINGS, np.asarray(moment.things, "<f4").tobytes()))
+    if moment.backdrop is not None and moment.backdrop is not told.backdrop:
+        told.backdrop = moment.backdrop
+        sections.append((SOLIDS, _solids([*told.backdrop.marks, *told.backdrop.solids])))
     # Readings always: a page shows those of this moment, and no others.
     sections.append((FANS, b"".join(map(_fan, moment.fans))))
     sections.append((CONES, b"".join(map(_cones, moment.cones))))
@@ -147,6 +149,15 @@ def paint_runs(before: NDArray[np.int16] | None, now: NDArray[np.int16]) -> byte
     lengths = np.diff(np.append(first, len(changed)))
     parts = (changed[first], lengths, owners[first])
     return struct.pack("<I", len(first)) + b"".join(part.astype("<u4").tobytes() for part in parts)
+
+
+def _solids(solids: Sequence[Solid]) -> bytes:
+    corners = np.array([len(vertices) for vertices, _ in solids], "<u4")
+    colors = np.array([color for _, color in solids], "<u4")
+    everything = [np.asarray(vertices, "<f4").tobytes() for vertices, _ in solids]
+    return b"".join(
+        [struct.pack("<I", len(corners)), corners.tobytes(), colors.tobytes(), *everything]
+    )
 
 
 def _fan(fan: Fan) -> bytes:
