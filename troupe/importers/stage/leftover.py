@@ -12,6 +12,7 @@ UNNEEDED = {
     "threads": "a run gives the same result on any number of cores",
     "resolution": "geometry is exact here",
     "map_resolution": "geometry is exact here",
+    "interval_real": "`troupe run --realtime FACTOR` holds a run to the clock",
     "speedup": "`troupe run --realtime FACTOR` holds a run to the clock",
     "paused": WINDOW,
     "show_clock": WINDOW,

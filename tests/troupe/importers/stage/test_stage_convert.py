@@ -215,6 +215,14 @@ def test_what_concerns_stages_window_is_listed_apart(world) -> None:
     assert lost < lines.index("of no use here:")
 
 
+def test_how_fast_stage_tried_to_run_is_no_loss(world) -> None:
+    got = world(
+        "interval_real 10\nmodel ( size [9 9 1] boundary 1 )\nposition ( pose [1 1 0 0] )\n"
+    )
+    assert got.noted("unneeded", "text.world:1")
+    assert not [note for note in got.notes if note.kind == "lost"]
+
+
 def test_a_hundred_robots_that_lack_the_same_are_one_line(world) -> None:
     robots = "".join(f"position ( pose [{n % 10} {n // 10} 0 0] gripper ( ) )\n" for n in range(30))
     got = world(FLOOR + robots.replace("gripper ( )", "mass 3 friction 2"))
