@@ -58,7 +58,9 @@ class Playback:
         self._read: list[tuple[int, int]] = []
         self._fixtures: dict[int, Pose] = {}  # where hands have put them, by number
         self.layout = self.loaded.layout
+        """What stands, where it stood in what was shown last."""
         self._backdrops = Backdrops(self.loaded)
+        self._known = self.layout  # by the surroundings
         try:
             self._tracks: list[Track[Any]] = [
                 Track(self._sayings(), self._take_said, self._said.clear),
@@ -138,12 +140,15 @@ class Playback:
         count = len(state.poses)
         if count < self._surroundings.count:  # robots that have not entered are not to be seen
             self._surroundings = Surroundings(self.loaded.layout, self.seed)
+            self._known = self.loaded.layout
         around = self._surroundings
         for robot in range(around.count, count):
             around.add_robot(self.names[robot], self.models[robot], state.poses[robot])
         around.scene.colors[around.entities] = state.colors
-        for number, fixture in enumerate(self.layout.fixtures):
-            around.put_fixture(number, fixture.pose)
+        if self._known is not self.layout:
+            self._known = self.layout
+            for number, fixture in enumerate(self.layout.fixtures):
+                around.put_fixture(number, fixture.pose)
         around.refresh(state.poses, state.movable_poses)
         suite = around.suite
         wanted = np.zeros(suite.slots, bool)

@@ -9,6 +9,7 @@ from troupe.importers.stage.syntax import Entity, Property
 
 WINDOW = "concerns Stage's window"
 UNNEEDED = {
+    "threadpool": "a run gives the same result on any number of cores",
     "threads": "a run gives the same result on any number of cores",
     "resolution": "geometry is exact here",
     "map_resolution": "geometry is exact here",

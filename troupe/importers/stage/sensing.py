@@ -73,7 +73,13 @@ def _note_looks(thing: Thing, notes: Notes) -> None:
     drawn = {"color", "color_rgba", "size"} & set(entity.properties)
     if entity.type in HOUSED:
         drawn -= {"size"}
-    entity.used |= drawn | {"size", "obstacle_return", "ranger_return", "blob_return", "gripper_return"}
+    entity.used |= drawn | {
+        "size",
+        "obstacle_return",
+        "ranger_return",
+        "blob_return",
+        "gripper_return",
+    }
     blocks = [child for child in entity.children if child.type == "block"]
     for block in blocks:
         block.used |= set(block.properties)
