@@ -111,8 +111,8 @@ def dynamic_body(form: Form, pose: tuple[float, float, float]) -> pymunk.Body:
     return body
 
 
-def floor_friction(ground: pymunk.Body, body: pymunk.Body, schema: Any) -> list[pymunk.Constraint]:
-    """Coulomb friction with the floor: force mu m g, torque that of a disc of the same area.
+def floor_friction(schema: Any) -> tuple[float, float]:
+    """Coulomb friction with the floor: force mu m g (N), torque (N m) of a disc of the same area.
 
     The coefficient is the body's `friction`. A disc that turns on its face meets the torque
     2/3 mu m g r.
@@ -120,7 +120,7 @@ def floor_friction(ground: pymunk.Body, body: pymunk.Body, schema: Any) -> list[
     force = schema.friction * schema.mass * GRAVITY
     round_one = schema.shape == "circle"
     radius = schema.radius if round_one else math.sqrt(area_of(schema) / math.pi)
-    return follow(ground, body, force, force * radius * 2.0 / 3.0)
+    return force, force * radius * 2.0 / 3.0
 
 
 def follow(

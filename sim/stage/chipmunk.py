@@ -14,6 +14,8 @@ import pymunk
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
+from sim.stage.memory import ANGLE, PLACE
+
 _ARBITER = batch.ArbiterFields
 _TOUCH = (
     _ARBITER.BODY_A_ID
@@ -90,6 +92,16 @@ def addresses(space: pymunk.Space) -> tuple[int, ...]:
 def state_of(body: pymunk.Body) -> int:
     """The address of a body's state: `memory` says what lies there, while the body is there."""
     return pointer(body._body) + STATE
+
+
+def take_over(body: pymunk.Body) -> None:
+    """Have Chipmunk know where a body is that was moved by what lies in its state alone.
+
+    It keeps the place of a body's origin, and how it is turned, a second time: its functions go
+    by that one, and bring it up to date only when they move the body.
+    """
+    state = ffi.cast("double *", state_of(body))
+    body.position, body.angle = (state[PLACE], state[PLACE + 1]), state[ANGLE]
 
 
 def pointer(thing: Any) -> int:

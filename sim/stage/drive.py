@@ -7,7 +7,7 @@ from typing import Any
 
 from sim.stage.compiled import bare, compiled, inlined
 from sim.stage.intrinsics import floats_at
-from sim.stage.memory import FORCE, SPIN, TORQUE, VELOCITY
+from sim.stage.memory import ANGLE, PLACE, SPIN, VELOCITY
 from sim.stage.records import (
     CAR,
     HEADING,
@@ -128,43 +128,54 @@ def want(state: Any, movers: Any, count: int, dt: float) -> None:
         _ramp(mover, vx, vy, wz, dt)
 
 
+@inlined
+def impulse(body: Any, mover: Any, vx: float, vy: float, dt: float) -> tuple[float, float, float]:
+    """How a drive changes a body's velocity (m/s, world) and turn rate (rad/s) in a step of `dt`.
+
+    (vx, vy): the velocity that it is to have. What is passive is braked so by the floor.
+    """
+    dx, dy, most = vx - body[3], vy - body[4], mover.max_force * dt / mover.mass
+    change = _length(dx, dy, most)
+    if change > most:
+        dx, dy = dx * most / change, dy * most / change
+    most = mover.max_torque * dt / mover.moment
+    return dx, dy, min(most, max(-most, mover.wanted_turn - body[5]))
+
+
 @compiled
 def lead(state: Any, movers: Any, count: int, dt: float, substep: float) -> None:
-    """Give Chipmunk what moves bodies as wanted in a step of `dt`, cut to substeps of `substep` s.
+    """Have what moves bodies as wanted act in a step of `dt` s, which Chipmunk cuts to substeps.
 
-    That is leaders' velocities, and forces, which act for one substep. A robot that follows a
-    leader is moved by its joints. All others are far from everything, and
-    the same limited impulse is a force on them in the first substep: the velocity after the step
-    is the same either way.
+    A robot in Chipmunk's space follows its leader, which is given its velocities here, and what is
+    passive there has joints with the ground. All others are far from everything, and are moved
+    here: the same limited impulse acts on them at once.
 
-    Chipmunk moves bodies first, with the velocities they have, and then finds new ones for the
+    As in Chipmunk bodies move first, with the velocities they have, and then get new ones for the
     next step. So the wanted direction is that of the heading halfway through the next step;
     with it an arc of many steps stays on its circle.
     """
     state, movers = bare(state), bare(movers)
     for i in range(count):
         mover = movers[i]
-        if not mover.driven:
+        if mover.standing or (mover.inside and not mover.driven):
             continue
         body = state[i]
-        yaw = body[2] + body[5] * substep + mover.wanted_turn * substep / 2.0
+        step = substep if mover.inside else dt
+        yaw = body[2] + body[5] * step + mover.wanted_turn * step / 2.0
         cosine, sine = math.cos(yaw), math.sin(yaw)
         mover.axis_x, mover.axis_y = cosine, sine
         vx = mover.wanted_x * cosine - mover.wanted_y * sine
         vy = mover.wanted_x * sine + mover.wanted_y * cosine
-        if mover.leader != 0:
+        if mover.inside:
             leader = floats_at(mover.leader)
             leader[VELOCITY], leader[VELOCITY + 1], leader[SPIN] = vx, vy, mover.wanted_turn
             continue
-        dx, dy = (vx - body[3]) * mover.mass, (vy - body[4]) * mover.mass
-        most = mover.max_force * dt
-        push = _length(dx, dy, most)
-        if push > most:
-            dx, dy = dx * most / push, dy * most / push
-        most = mover.max_torque * dt
-        spin = min(most, max(-most, (mover.wanted_turn - body[5]) * mover.moment))
+        dx, dy, turn = impulse(body, mover, vx, vy, dt)
         own = floats_at(mover.body)
-        own[FORCE], own[FORCE + 1], own[TORQUE] = dx / substep, dy / substep, spin / substep
+        own[PLACE] = body[0] + body[3] * dt
+        own[PLACE + 1] = body[1] + body[4] * dt
+        own[ANGLE] = body[2] + body[5] * dt
+        own[VELOCITY], own[VELOCITY + 1], own[SPIN] = body[3] + dx, body[4] + dy, body[5] + turn
 
 
 @compiled

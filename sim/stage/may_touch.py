@@ -1,7 +1,8 @@
-"""Which robots could meet anything within a tick: only these need joints and the solver.
+"""Which movers could meet anything within a tick: only these are in Chipmunk's space.
 
-The others, far from all else, are most of a large sparse world. They are moved by forces alone
-(see `drive.lead`), and the solver does not spend its rounds on them.
+The others, far from all else, are most of a large sparse world. They are moved by what drives or
+brakes them alone (see `drive.lead`): Chipmunk, which walks over all bodies in each of its steps,
+knows nothing of them, and how finely it has to step does not concern them.
 """
 
 from __future__ import annotations
@@ -9,13 +10,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.stage.compiled import bare, compiled
+from sim.stage.compiled import bare, compiled, inlined
 from sim.stage.distance_field import clear_of
 from sim.stage.substeps import sort_by_x
 
 CALM = 20
-"""Ticks that a robot must have been far from everything before its joints are taken away: to
-attach and detach them costs more than to keep them for a while."""
+"""Ticks that a mover must have been far from everything before it is taken out of the space: to
+take it out and put it back costs more than to keep it for a while."""
+
+
+@inlined
+def comes(mover: Any) -> bool:
+    """Whether a mover that is out of the space must be in it now."""
+    return mover.calm == 0 and not mover.inside
+
+
+@inlined
+def leaves(mover: Any) -> bool:
+    """Whether a mover in the space need not be there any more."""
+    return mover.calm >= CALM and mover.inside and not (mover.standing or mover.gripped)
 
 
 @compiled
@@ -25,8 +38,8 @@ def count_calm_ticks(
     """Count for each mover the ticks since it last could meet anything (`calm`, 0 for now).
 
     Bodies are taken for their circles, and each for as fast as the fastest may be: who is pushed
-    goes as fast as who pushes. Returns how many robots must get or lose their joints, and that
-    speed in m/s: should anything go faster, look again.
+    goes as fast as who pushes. Returns how many movers must come into the space or leave it, and
+    that speed in m/s: should anything go faster, look again.
     """
     state, movers, order, cells = bare(state), bare(movers), bare(order), bare(cells)
     sort_by_x(order, state, count)
@@ -61,8 +74,6 @@ def count_calm_ticks(
     changes = 0
     for i in range(count):
         mover = movers[i]
-        if mover.driven and (
-            (mover.calm == 0 and mover.leader == 0) or (mover.calm >= CALM and mover.leader != 0)
-        ):
+        if comes(mover) or leaves(mover):
             changes += 1
     return changes, fastest

@@ -12,7 +12,7 @@ from typing import Any
 from sim.stage.compiled import bare, compiled
 from sim.stage.intrinsics import floats_at
 
-POSITION, VELOCITY, FORCE, ANGLE, SPIN, TORQUE = 0, 2, 4, 6, 7, 8
+PLACE, VELOCITY, FORCE, ANGLE, SPIN, TORQUE = 0, 2, 4, 6, 7, 8
 """Where each begins: the first three have an x and a y."""
 
 
@@ -22,5 +22,5 @@ def read_bodies(state: Any, movers: Any, count: int) -> None:
     state, movers = bare(state), bare(movers)
     for i in range(count):
         body = floats_at(movers[i].body)
-        state[i, 0], state[i, 1], state[i, 2] = body[POSITION], body[POSITION + 1], body[ANGLE]
+        state[i, 0], state[i, 1], state[i, 2] = body[PLACE], body[PLACE + 1], body[ANGLE]
         state[i, 3], state[i, 4], state[i, 5] = body[VELOCITY], body[VELOCITY + 1], body[SPIN]

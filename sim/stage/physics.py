@@ -1,4 +1,4 @@
-"""The bodies of a stage in Chipmunk's space: how they come, settle, and get and lose joints."""
+"""The bodies of a stage: how they come into Chipmunk's space, settle there, and leave it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from sim.stage import bodies
-from sim.stage.chipmunk import ContactTable, addresses, state_of
+from sim.stage.chipmunk import ContactTable, addresses, state_of, take_over
 from sim.stage.geometry import Floats
 from sim.stage.layout import Layout
 from sim.stage.records import mover
@@ -18,7 +18,10 @@ from sim.stage.steps import PARTS
 
 
 class Physics:
-    """Movers (movable obstacles first, then robots) as bodies, numbered as they came."""
+    """Movers (movable obstacles first, then robots) as bodies, numbered as they came.
+
+    They are out of the space until they are put into it.
+    """
 
     def __init__(self, layout: Layout) -> None:
         self._space = bodies.new_space()
@@ -27,10 +30,9 @@ class Physics:
         self._levels = layout.levels
         self._standing = bodies.add_solids(self._space, layout.solids)
         self._bodies: list[pymunk.Body] = []
-        self._drives: list[Any] = []
+        self._shapes_of: list[tuple[pymunk.Shape, ...]] = []  # by body, in the order of its parts
         self._joints: list[list[pymunk.Constraint]] = []
         self._leaders: list[pymunk.Body | None] = []
-        self._led: set[int] = set()  # movers that follow their leaders
         self._grips: dict[int, tuple[int, list[pymunk.Constraint]]] = {}  # by what is held
         self._shapes: dict[Any, int] = {}
         self._forms: dict[int, bodies.Form] = {}  # by id of what they were made of, which they hold
@@ -53,14 +55,9 @@ class Physics:
         shapes, levels = bodies.shapes_of(body, form), self._levels.of(schema)
         for shape in shapes:
             bodies.limit_to(shape, levels)
-        self._space.add(body, *shapes)
-        joints: list[pymunk.Constraint] = []
-        if drive is None:
-            joints = bodies.floor_friction(self._ground, body, schema)
-            self._space.add(*joints)
         self._bodies.append(body)
-        self._drives.append(drive)
-        self._joints.append(joints)
+        self._shapes_of.append(tuple(shapes))
+        self._joints.append([])
         self._leaders.append(None)
         usual = self._records.get((id(schema), id(drive)))
         if usual is None:
@@ -72,6 +69,7 @@ class Physics:
                 girth=form.girth,
                 shape=self._shape(form.corners),
                 levels=levels,
+                friction=bodies.floor_friction(schema),
             )
         record[:] = usual
         record["body"] = state_of(body)
@@ -90,32 +88,36 @@ class Physics:
             self.outlines, self.sides = wider, np.append(self.sides, len(corners))
         return self._shapes[key]
 
-    def follow(self, number: int, following: bool) -> int:
-        """Attach a driven mover to its leader, or detach it; the leader's address, or 0."""
-        if not following and number not in self._led:
-            return 0
-        body, drive = self._bodies[number], self._drives[number]
-        leader = self._leaders[number]
-        if leader is None:
-            leader = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            self._leaders[number] = leader
-            self._joints[number] = bodies.follow(leader, body, drive.max_force, drive.max_torque)
-        if not following:
-            self._space.remove(leader, *self._joints[number])
-            self._led.discard(number)
-            return 0
-        if number not in self._led:
-            self._space.add(leader, *self._joints[number])
-            self._led.add(number)
-        return state_of(leader)
+    def put_in(self, number: int, record: Any) -> None:
+        """Put a mover into the space, with the joints that drive or brake it; its record says so.
 
-    def settle(self, number: int) -> None:
+        A driven one follows a leader of its own there, whose address stands in its record.
+        """
+        body, leader = self._bodies[number], self._leaders[number]
+        if not self._joints[number]:
+            force, torque = float(record["max_force"]), float(record["max_torque"])
+            if record["driven"]:
+                leader = self._leaders[number] = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+                record["leader"] = state_of(leader)
+            self._joints[number] = bodies.follow(leader or self._ground, body, force, torque)
+        take_over(body)
+        led = [] if leader is None else [leader]
+        self._space.add(body, *self._shapes_of[number], *led, *self._joints[number])
+        record["inside"] = True
+
+    def take_out(self, number: int, record: Any) -> None:
+        """Take a mover out of the space, with its joints; it moves on as it did."""
+        body, leader = self._bodies[number], self._leaders[number]
+        led = [] if leader is None else [leader]
+        self._space.remove(*self._joints[number], *led, *self._shapes_of[number], body)
+        record["inside"] = False
+
+    def settle(self, number: int, record: Any) -> None:
         """Make a mover a standing body."""
-        body = self._bodies[number]
-        if self._drives[number] is None:
-            self._space.remove(*self._joints[number])
-        else:
-            self.follow(number, False)
+        if not record["inside"]:
+            self.put_in(number, record)
+        body, leader = self._bodies[number], self._leaders[number]
+        self._space.remove(*self._joints[number], *([] if leader is None else [leader]))
         self._joints[number], self._leaders[number] = [], None
         body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
         body.body_type = pymunk.Body.STATIC
@@ -148,7 +150,8 @@ class Physics:
         body.position, body.angle = (pose[0], pose[1]), pose[2]
         if body.body_type == pymunk.Body.DYNAMIC:
             body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
-        self._space.reindex_shapes_for_body(body)
+        if body.space is not None:
+            self._space.reindex_shapes_for_body(body)
 
     def stand(self, group: int, frame: tuple[float, float, float]) -> None:
         """Move a group of what stands with its frame, which is at (0, 0, 0) at the start."""
@@ -169,11 +172,6 @@ class Physics:
         things = np.concatenate([np.arange(len(own)), -1 - groups])
         rank = np.argsort(ids)
         return ids[rank], things[rank]
-
-    def poses(self, count: int) -> Floats:
-        """Poses (count, 3) of the first movers: x, y, yaw as Chipmunk counts it."""
-        found = [(*body.position, body.angle) for body in self._bodies[:count]]
-        return np.array(found, dtype=np.float64).reshape(-1, 3)
 
 
 def pose_of(values: ArrayLike) -> tuple[float, float, float]:

@@ -37,7 +37,7 @@ MOVER = np.dtype(
         ("max_curvature", np.float64),  # 1/m, car only
         ("mass", np.float64),  # kg
         ("moment", np.float64),  # kg m2
-        ("max_force", np.float64),  # N
+        ("max_force", np.float64),  # N, of its drive, or of its friction with the floor
         ("max_torque", np.float64),  # N m
         ("shape", np.int32),  # its number among the outlines
         ("levels", np.uint32),  # bits: it meets only what shares one; 0 if it is not solid
@@ -48,8 +48,10 @@ MOVER = np.dtype(
         # where Chipmunk keeps it: see `chipmunk.state_of`
         ("body", np.uint64),  # the address of its body's state
         ("leader", np.uint64),  # that of the body that leads it; 0: none does
+        ("inside", np.bool_),  # whether it is in Chipmunk's space: else it can meet nobody
         ("driven", np.bool_),  # has a drive and is not settled
         ("standing", np.bool_),  # settled for good
+        ("gripped", np.bool_),  # it holds something, or is held
         ("calm", np.int32),  # ticks since it last could have met anything
         # the command
         ("mode", np.int32),
@@ -92,12 +94,14 @@ def mover(
     girth: float,
     shape: int,
     levels: int,
+    friction: tuple[float, float],
 ) -> Any:
     """A record for a body and a drive (or None) of the schema, at rest at no place yet.
 
     moment: moment of inertia in kg m2. reach: radius of the circle about its origin in metres.
     girth: half of its least width in metres. shape: the number of its outline. levels: the bits of
-    the heights at which it meets others.
+    the heights at which it meets others. friction: the force (N) and torque (N m) that the floor
+    brakes it with, unless wheels do.
     """
     record = np.zeros(1, dtype=MOVER)[0]
     record["mass"], record["moment"] = body.mass, moment
@@ -106,6 +110,7 @@ def mover(
     record["shape"], record["levels"] = shape, levels
     record["motors"] = True
     record["axis_x"] = 1.0
+    record["max_force"], record["max_torque"] = friction
     if drive is not None:
         record["kind"] = KINDS[drive.kind]
         record["driven"] = True

@@ -117,8 +117,8 @@ class Stage:
         record = self._record(robot)
         if record["standing"]:
             return
-        self._physics.settle(self._movables + robot)
-        record["standing"], record["driven"], record["leader"] = True, False, 0
+        self._physics.settle(self._movables + robot, record)
+        record["standing"], record["driven"] = True, False
         self.later_hands.append(Hand(robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
@@ -133,14 +133,21 @@ class Stage:
         self._record(robot)
         if number in self.holders or not 0 <= number < self._movables:
             raise ValueError(f"there is no movable obstacle {number} that nobody holds")
-        self._physics.hold(self._movables + robot, number)
+        ones = [self._movables + robot, number]
+        for one in ones:
+            if not self._movers[one]["inside"]:
+                self._physics.put_in(one, self._movers[one])
+        self._movers["gripped"][ones] = True
+        self._physics.hold(*ones)
         self.holders[number] = robot
         self.later_hands.append(Hand(number, None, thing=True, holder=robot))
 
     def let_go(self, number: int) -> None:
         """Let whoever holds a movable obstacle let it go. Raises KeyError where nobody does."""
-        del self.holders[number]
+        holder = self.holders.pop(number)
         self._physics.let_go(number)
+        self._movers["gripped"][number] = False
+        self._movers["gripped"][self._movables + holder] = holder in self.holders.values()
         self.later_hands.append(Hand(number, None, thing=True, holder=-1))
 
     def set_pose(self, robot: int, pose: ArrayLike) -> None:
@@ -335,18 +342,19 @@ class Stage:
             ways.append(notes)
             if place[0] == self._steps:
                 break
-            self._attach()
+            self._sort_out()
         self._touches.finish(self._contact_counts)
         return np.concatenate(ways).swapaxes(0, 1).copy() if len(traced) else NO_WAYS
 
-    def _attach(self) -> None:
-        """Give joints to robots that may meet something, and take them from those far off."""
+    def _sort_out(self) -> None:
+        """Put into the space what may meet something, and take out what is far from everything."""
         movers = self._movers[: self._movables + self._count]
-        driven, led, calm = movers["driven"], movers["leader"] != 0, movers["calm"]
-        for number in np.nonzero(driven & ~led & (calm == 0))[0].tolist():
-            movers[number]["leader"] = self._physics.follow(number, True)
-        for number in np.nonzero(driven & led & (calm >= CALM))[0].tolist():
-            movers[number]["leader"] = self._physics.follow(number, False)
+        inside, calm = movers["inside"], movers["calm"]
+        for number in np.nonzero(~inside & (calm == 0))[0].tolist():
+            self._physics.put_in(number, movers[number])
+        stays = movers["standing"] | movers["gripped"]
+        for number in np.nonzero(inside & (calm >= CALM) & ~stays)[0].tolist():
+            self._physics.take_out(number, movers[number])
 
     def _prepare(self) -> None:
         """After a change: gather what the physics of a tick is given, and look where bodies are."""
@@ -483,6 +491,8 @@ class Stage:
         """(m, 3) Poses of the movable obstacles, in the layout's order."""
         if not self._movables:
             return NOTHING
-        poses = self._physics.poses(self._movables)
+        state = np.zeros((self._movables, 6))
+        read_bodies(state, self._movers, self._movables)
+        poses = state[:, :3].copy()
         poses[:, 2] = wrapped(poses[:, 2])
         return poses

@@ -85,11 +85,12 @@ def run_steps(
     their state (count, 6) as `memory` reads it. order (count,): the movers by x, kept from step to
     step. cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the
     movers' shapes. poses, velocities, distances, stalls: the robots', written at the end of the
-    tick. traced (k,): the movers whose poses are noted.
+    tick. traced (k,): the movers whose poses are noted. Those out of Chipmunk's space make a step
+    in one.
 
-    place: the step to go on with, how fast (m/s) the fastest may be that was assumed when
-    joints were given (negative: look around first), and whether the drives have taken this step
-    in already. Where robots must get or lose their joints in mid-tick the loop returns, to be
+    place: the step to go on with, how fast (m/s) the fastest may be that was assumed when it was
+    found who may meet something (negative: look around first), and whether the drives have taken
+    this step in already. Where movers must come into the space or leave it the loop returns, to be
     called again with the place that it returns; at the end that is behind the last step.
 
     Returns the place; the contacts (t, CONTACT) of all substeps; and the notes (m, k, 3) of x, y
@@ -130,9 +131,11 @@ def run_steps(
         led = False
         substep = dt / max(1, cuts)
         drive.lead(state, movers, count, dt, substep)
+        moving = quickest >= 0.0
         set_iterations(machine[SET_ITERATIONS], space, np.int32(rounds))
         for _ in range(max(1, cuts)):
-            step_space(machine[STEP], space, substep)
+            if moving:
+                step_space(machine[STEP], space, substep)
             if len(traced) > 0:
                 read_bodies(state, movers, count)
                 if noted == notes.shape[0]:

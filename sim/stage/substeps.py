@@ -18,6 +18,7 @@ from typing import Any
 
 from sim.stage.compiled import bare, compiled, inlined
 from sim.stage.distance_field import clear_of
+from sim.stage.drive import impulse
 from sim.stage.limits import DEEPEST, MOST_RATIO, MOST_SUBSTEPS
 
 GIVE = 0.005
@@ -31,15 +32,40 @@ crowds of robots of all shapes with masses from 1 to 1000 and drives of 100 m/s2
 
 
 @inlined
-def gain(body: Any, mover: Any, dt: float) -> tuple[float, float]:
-    """How much a drive can change a body's velocity (m/s) and turn rate (rad/s) in a step."""
-    if not mover.driven:
-        return 0.0, 0.0
+def then(body: Any, mover: Any, dt: float) -> tuple[float, float, float]:
+    """The velocity (m/s, world) and turn rate (rad/s) that a body's drive can give it in a step.
+
+    Within the step its velocity is one between that which it has and this one.
+    """
+    if mover.standing:
+        return 0.0, 0.0, 0.0
     vx = mover.wanted_x * mover.axis_x - mover.wanted_y * mover.axis_y
     vy = mover.wanted_x * mover.axis_y + mover.wanted_y * mover.axis_x
-    change = min(math.hypot(vx - body[3], vy - body[4]), mover.max_force * dt / mover.mass)
-    turn = min(abs(mover.wanted_turn - body[5]), mover.max_torque * dt / mover.moment)
-    return change, turn
+    dx, dy, turn = impulse(body, mover, vx, vy, dt)
+    return body[3] + dx, body[4] + dy, body[5] + turn
+
+
+@inlined
+def _fastest(body: Any, mover: Any, vx: float, vy: float, turn: float) -> tuple[float, float]:
+    """How fast a body is at the most in a step at whose end it has these, in m/s.
+
+    And how fast its outline is by its turning alone.
+    """
+    spin = max(abs(body[5]), abs(turn)) * mover.lever
+    return max(math.hypot(body[3], body[4]), math.hypot(vx, vy)), spin
+
+
+@inlined
+def _closing(body: Any, vx: float, vy: float, there: Any, vx2: float, vy2: float) -> float:
+    """How fast (m/s) two bodies' centres close at the most, which shall have these velocities.
+
+    Velocities lie between what they are and what they shall be, so their difference is largest at
+    one of the four ends.
+    """
+    best = math.hypot(body[3] - there[3], body[4] - there[4])
+    best = max(best, math.hypot(vx - there[3], vy - there[4]))
+    best = max(best, math.hypot(body[3] - vx2, body[4] - vy2))
+    return max(best, math.hypot(vx - vx2, vy - vy2))
 
 
 @compiled
@@ -115,38 +141,39 @@ def count_substeps(
     """Into how many substeps to cut a step of `dt`; 0 where no two bodies can meet in it.
 
     Besides how many rounds the solver shall make in each, and how fast (m/s) the fastest of those
-    looked at is.
+    looked at is; negative where there is nothing that could move.
 
     state (count, 6): the movers'. order (count,): the movers by x, kept from step to step.
     cells, frame: the distance field of what stands. outlines (s, k, 2) with sides (s,): the movers'
     shapes in their own frames, no sides for a circle.
 
-    Only robots that follow a leader and passive bodies are looked at: no other can meet anything
-    in this tick.
+    Only what is in Chipmunk's space is looked at: nothing else can meet anything in this tick.
     """
     state, movers, order = bare(state), bare(movers), bare(order)
     cells, outlines, sides = bare(cells), bare(outlines), bare(sides)
     sort_by_x(order, state, count)
-    fastest, largest, quickest = 0.0, 0.0, 0.0
+    fastest, largest, quickest = 0.0, 0.0, -1.0
     for i in range(count):
         mover = movers[i]
-        if mover.driven and mover.leader == 0:
+        if not mover.inside:
             continue
         body = state[i]
-        change, turn = gain(body, mover, dt)
+        largest = max(largest, mover.reach)
+        if mover.standing:
+            continue
+        speed, spin = _fastest(body, mover, *then(body, mover, dt))
         quickest = max(quickest, math.hypot(body[3], body[4]))
-        speed = math.hypot(body[3], body[4]) + change + (abs(body[5]) + turn) * mover.lever
-        fastest, largest = max(fastest, speed), max(largest, mover.reach)
+        fastest = max(fastest, speed + spin)
     needed = -1.0
     heaviest, lightest, strongest = 0.0, math.inf, 0.0
     for i in range(count):
         mover = movers[order[i]]
-        if mover.driven and mover.leader == 0:
+        if not mover.inside:
             continue
         body = state[order[i]]
-        change, turn = gain(body, mover, dt)
-        spin = (abs(body[5]) + turn) * mover.lever
-        own = math.hypot(body[3], body[4]) + change + spin
+        vx, vy, turn = then(body, mover, dt)
+        speed, spin = _fastest(body, mover, vx, vy, turn)
+        own = speed + spin
         if not mover.standing and own > 0.0 and mover.levels != 0:
             clear = clear_of(cells, frame, body[0], body[1])
             if clear - mover.reach < own * dt:
@@ -156,15 +183,14 @@ def count_substeps(
             there = state[order[j]]
             if there[0] - body[0] > mover.reach + largest + (own + fastest) * dt:
                 break
-            if (mover.standing and other.standing) or (other.driven and other.leader == 0):
+            if (mover.standing and other.standing) or not other.inside:
                 continue
             if mover.levels & other.levels == 0:
                 continue
-            # Side by side at the same velocity bodies do not close, whatever their speed: the
-            # difference of their velocities counts, and what drives and turning may add to it.
-            change2, turn2 = gain(there, other, dt)
-            closing = math.hypot(body[3] - there[3], body[4] - there[4]) + change + change2
-            closing += spin + (abs(there[5]) + turn2) * other.lever
+            # Side by side at the same velocity bodies do not close, whatever their speed.
+            vx2, vy2, turn2 = then(there, other, dt)
+            closing = spin + max(abs(there[5]), abs(turn2)) * other.lever
+            closing += _closing(body, vx, vy, there, vx2, vy2)
             apart = math.hypot(there[0] - body[0], there[1] - body[1])
             if apart - mover.reach - other.reach >= closing * dt:
                 continue

@@ -37,10 +37,11 @@ def may_begin(brain: Brain) -> bool:
 
 
 def go_on(brain: Brain, command: Command, gaze: float) -> bool:
-    """One reading's worth of a turn begun carefully; false once it is past turning back."""
+    """One reading's worth of a turn begun carefully; false past turning back, or when done."""
     memory, pose = brain.memory, brain.pose
     assert memory.careful_from is not None
-    if not memory.gives_up and abs(wrap(pose.yaw - memory.careful_from)) > FAR:
+    far = abs(wrap(pose.yaw - memory.careful_from)) > FAR
+    if not memory.gives_up and (far or looks_at(pose, gaze)):
         memory.careful_from = None
         return False
     memory.gives_up = memory.gives_up or not _all_stand(brain)
