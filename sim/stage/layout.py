@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +15,12 @@ from sensors.eyes import eyes
 from sensors.noise import random_color
 from sim.stage.boundary import inner_faces, walls_outside
 from sim.stage.distance_field import DistanceField, distance_field
+from sim.stage.door_cells import door_cells
 from sim.stage.geometry import (
     Bools,
     Floats,
     counter_clockwise,
     in_convex,
-    outline,
     pieces,
     placed,
     rectangle,
@@ -43,7 +43,7 @@ from sim.worldfile.values import RANDOM
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sized
 
-    from sim.worldfile.schema import Door, Map, World
+    from sim.worldfile.schema import Map, World
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def build_layout(world: World, folder: Path) -> Layout:
     Raises WorldError: a map that is missing, unreadable or does not fit, no size, a door that
     has no place.
     """
-    raster, door_cells, is_text = _read_map(world.map, folder)
+    raster, lettered, is_text = _read_map(world.map, folder)
     levels = _levels(world)
     size = _size(world, raster, is_text)
     low = low_corner(world.origin, size)
@@ -250,7 +250,7 @@ def build_layout(world: World, folder: Path) -> Layout:
         movables=tuple(movables),
         fixtures=tuple(fixtures),
         levels=levels,
-        doors=_doors(world, raster, door_cells, is_text),
+        doors=door_cells(world, raster, lettered, is_text),
         raster=raster if world.map is None or world.map.solid else None,
         grid=raster.walls if raster is not None and is_text else None,
         cell=raster.cell if raster is not None and is_text else None,
@@ -308,48 +308,3 @@ def _size(world: World, raster: Raster | None, is_text: bool) -> tuple[float, fl
         allowed = f"{width:g} x {height:g} m, as the map is"
         raise WorldError([Mistake(("size",), "the size does not fit the map", given, allowed)])
     return (width, height) if is_text else world.size
-
-
-def _doors(
-    world: World, raster: Raster | None, cells: tuple[tuple[int, int], ...], is_text: bool
-) -> tuple[DoorCell, ...]:
-    """The doors with their places; those `at: S` take the map's S in reading order."""
-    doors: list[DoorCell] = []
-    mistakes: list[Mistake] = []
-    waiting = iter(cells)
-    lettered = sum(isinstance(door.at, str) for door in world.doors)
-    if lettered and lettered != len(cells):
-        index = next(i for i, door in enumerate(world.doors) if isinstance(door.at, str))
-        what = "each door `at: S` needs an S of its own in the text map, and each S a door"
-        given = f"{lettered} door(s), {len(cells)} S in the map"
-        raise WorldError([Mistake(("doors", index, "at"), what, given)])
-    for index, door in enumerate(world.doors):
-        where = ("doors", index, "at")
-        if isinstance(door.at, str):
-            column, row = next(waiting)
-        elif is_text and raster is not None:
-            column, row = raster.at(*door.at)
-            rows, columns = raster.walls.shape
-            if not (0 <= column < columns and 0 <= row < rows) or raster.walls[row, column]:
-                given = f"[{door.at[0]:g}, {door.at[1]:g}]"
-                mistakes.append(Mistake(where, "the door is in a wall or off the map", given))
-                continue
-        if is_text and raster is not None:
-            doors.append(_door(door, raster.centre(column, row), (raster.cell, raster.cell)))
-        elif not isinstance(door.at, str) and door.model in world.models:
-            doors.append(_door(door, door.at, _room(world.models[door.model].body, door.heading)))
-    if mistakes:
-        raise WorldError(mistakes)
-    return tuple(doors)
-
-
-def _room(body: Any, heading: float) -> tuple[float, float]:
-    """Width and depth of the upright rectangle about the origin that a body takes at a heading."""
-    vertices = placed(outline(body), (0.0, 0.0, math.radians(heading)))
-    width, depth = 2 * np.abs(vertices).max(axis=0)
-    return float(width), float(depth)
-
-
-def _door(door: Door, centre: tuple[float, float], size: tuple[float, float]) -> DoorCell:
-    heading = math.radians(door.heading)
-    return DoorCell(door.name, centre, size, heading, door.period, door.model, door.controller)

@@ -115,6 +115,22 @@ def test_it_has_no_room_on_robots_pushed_things_and_beyond_the_edge(world) -> No
     assert not one.scenery.put_thing(2, (0.0, 0.0, 0.0))
 
 
+def test_a_robot_that_was_far_from_everything_is_stopped_by_what_is_put_before_it(
+    tmp_path: Path,
+) -> None:
+    text = WORLD % (OBSTACLES["box"], [20, 5, 90])
+    one = Moved(tmp_path, text.replace("[12, 8]", "[60, 20]").replace("[-3, 0, 0]", "[-20, 0, 0]"))
+    one.drive([[0.5, 0, 0], [0, 0, 0]], 6)
+    ahead = one.poses[0, 0] + 0.3 + 0.02
+    assert one.scenery.put_thing(1, (ahead + 0.3, 0.0, 0.0))
+    one.drive([[0.5, 0, 0], [0, 0, 0]], 3)
+    assert one.poses[0, 0] == pytest.approx(ahead - 0.3, abs=0.006)
+    assert one.scenery.stage.stalls[0]
+    assert one.scenery.put_thing(1, (20.0, 5.0, 0.0))
+    one.drive([[0.5, 0, 0], [0, 0, 0]], 3)
+    assert one.poses[0, 0] > ahead + 0.9
+
+
 def test_no_place_is_told_to_be_further_away_than_it_is(world) -> None:
     one = world("pair", START)
     assert one.scenery.put_thing(1, (-4.9, -3.8, 1.0))
