@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sim.video.snapshot import Backdrop
 from sim.view.frames import (
     COLORS,
     PAINT,
     ROBOTS,
     SAID,
+    SOLIDS,
     STATUS,
     Told,
     decode,
@@ -141,6 +143,19 @@ def test_what_has_not_changed_is_not_sent_again() -> None:
         poses=np.zeros((3, 3), np.float32), robots=[*moment().robots, Robot("r3", "rover")]
     )
     assert decode_robots(decode(encode_moment(newcomer, told))) == [Robot("r3", "rover")]
+
+
+def test_what_stands_is_sent_again_only_where_a_hand_has_moved_it() -> None:
+    told = Told()
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    here, there = (Backdrop((9.0, 9.0), solids=[(square + x, 0xFF)]) for x in (2.0, 5.0))
+    found = []
+    for backdrop in (None, there, there, here):
+        sections = decode(encode_moment(moment(backdrop=backdrop), told)).sections
+        found.append(np.frombuffer(sections.get(SOLIDS, b"")[-32:], "<f4"))
+    assert [len(one) for one in found] == [0, 8, 0, 8]
+    assert found[1].reshape(4, 2) == pytest.approx(square + 5.0)
+    assert found[3].reshape(4, 2) == pytest.approx(square + 2.0)
 
 
 def test_paint_arrives_whole_however_many_moments_are_dropped() -> None:
