@@ -181,7 +181,6 @@ LEFT_OUT = {
     "actuator ( )": "actuator",
     'ctrl "lasernoise 3"': "controllers: {lasernoise: {program: ./lasernoise.py}}",
     "ranger ( )": "measures nothing",
-    "watts 10": "watts",
     "nosuch 3": "nosuch",
     "velocity [1 0 0 0]": "velocity",
     "update_interval 500": "update_interval",
