@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import csv
 import json
 import os
@@ -21,8 +20,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
+from onlookers import look_on
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -96,36 +94,25 @@ def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str
     duration = 600 if count == 4 else 6000 / count
     path = str(world(folder, "reader", duration, size=hall(count), count=count))
     prices = []
-    for _ in range(max(3, repeats)):
+    for _ in range(max(5, repeats)):
         alone = float(str(run_command(path)[0]["speed"]))
         prices.append(100 * (1 - watched_speed(path, viewers) / alone))
     return f"{statistics.median(prices):.1f} % of the speed"
 
 
 def watched_speed(path: str, viewers: int) -> float:
-    """The speed of a run while so many draw every moment that comes."""
+    """The speed of a run while so many take every moment that comes, and draw nothing."""
     run = subprocess.Popen(
         [sys.executable, "-m", "troupe", "run", path, "--json", "--quiet", "--view", "--no-open"],
         cwd=ROOT,
+        env={name: text for name, text in os.environ.items() if name != NO_BYTECODE},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
     assert run.stderr is not None
-    address = next(m[1] for line in run.stderr if (m := re.search(r"http(://\S+)", line)))
-
-    def watch() -> None:
-        with (
-            contextlib.suppress(ConnectionClosed, OSError),
-            connect(f"ws{address}socket", max_size=None) as page,
-        ):
-            while True:
-                page.recv()
-                page.send('{"do": "seen"}')
-
-    watching = [threading.Thread(target=watch, daemon=True) for _ in range(viewers)]
-    for one in watching:
-        one.start()
+    address = next(m[1] for line in run.stderr if (m := re.search(r"http://(\S+)", line)))
+    threading.Thread(target=look_on, args=(address, viewers), daemon=True).start()
     return float(json.loads(run.communicate()[0])["speed"])
 
 
@@ -280,11 +267,15 @@ def hall(count: int) -> tuple[int, int]:
     return (16, 21) if count <= 4 else (side, side)
 
 
-def in_process(folder: Path, count: int, ticks: int, repeats: int) -> tuple[str, str]:
+def in_process(
+    folder: Path, count: int, ticks: int, repeats: int, *, blind: bool = False
+) -> tuple[str, str]:
     """Speed of a simulation that is driven and read from Python, and nanoseconds per ray of lasers.
 
-    Both by the processor's time, which other programs on the machine disturb less: simulated
-    seconds per second of one core.
+    Robots go ahead and turn away from what their lasers show before them, as `READER` does; or,
+    blind, ahead and anywhere, so that many come to press against walls. Both figures by the
+    processor's time, which other programs on the machine disturb less: simulated seconds per second
+    of one core.
     """
     import troupe  # noqa: PLC0415 - after the path is set
 
@@ -292,13 +283,18 @@ def in_process(folder: Path, count: int, ticks: int, repeats: int) -> tuple[str,
     speeds = []
     path = world(folder, "null", 1e6, size=hall(count), count=count)
     with troupe.Simulation(path, seed=1, controllers=False) as sim:
+        turn = np.zeros(count)
         for _ in range(repeats + 1):
             began = process_time()
             for _ in range(ticks):
-                sim.command(forward=0.4, turn=random.standard_normal(count) * 0.5)
+                sim.command(forward=0.4, turn=turn)
                 sim.step()
-                sim.readings("laser").ranges  # noqa: B018 - it is made
-                sim.readings("blobfinder").counts  # noqa: B018
+                ranges = sim.readings("laser").ranges
+                sim.readings("blobfinder").counts  # noqa: B018 - it is made
+                if blind:
+                    turn = random.standard_normal(count) * 0.5
+                else:
+                    turn = np.where(ranges[:, 60:120].min(axis=1) > 1.5, 0.0, 0.8)
             speeds.append(0.1 * ticks / (process_time() - began))
     return (
         f"{float(f'{statistics.median(speeds[1:]):.3g}'):g} x real time",
@@ -434,9 +430,11 @@ def main() -> None:
                                      (10_000, 10, "3")):  # fmt: skip
             speed, found = in_process(folder, count, ticks, repeats)
             ray = found if count == 1000 else ray
-            what = f"{count} robots in process, no controllers, one core"
+            what = f"{count} robots in process that look where they go, one core"
             rows.append((what, f"{target} x real time", speed))
             if count <= 1000:
+                pressed, _ = in_process(folder, count, ticks, repeats, blind=True)
+                rows.append(("the same, blind: many press against walls", "", pressed))
                 rows += peers(args.peers, count, max(1, ticks // 10))
         language, raw = raw_rounds(folder, repeats)
         rows += [

@@ -24,7 +24,9 @@ from sim.stage.limits import DEEPEST, MOST_RATIO, MOST_SUBSTEPS
 GIVE = 0.005
 """m that a drive's force may press bodies into one another before the solver holds against it."""
 ROUNDS = 15
-"""Rounds of the solver where bodies of equal mass may meet; one does where none can."""
+"""Rounds of the solver in a step where bodies of equal mass may meet; one does where none can."""
+FEWEST = 8
+"""... and in each of the substeps that share them: what one has found the next begins with."""
 EVEN = 15.0
 """Ratio of masses up to which ROUNDS are enough. Beyond it rounds go up with the ratio, and
 substeps with its root: together with the speed of closing this kept overlaps below 0.01 m in 30
@@ -205,11 +207,12 @@ def count_substeps(
                     strongest = max(strongest, other.strength)
     if needed < 0.0:
         return 0, 1, quickest
-    rounds = float(ROUNDS)
+    rounds, fewest = float(ROUNDS), float(FEWEST)
     if heaviest > 0.0:
         ratio = min(heaviest / lightest, MOST_RATIO)
         if ratio > EVEN:
-            rounds = max(rounds, ratio / 4.0)
+            rounds = fewest = max(rounds, ratio / 4.0)
             needed = max(needed, 3.0 * math.sqrt(ratio / EVEN))
-        needed = max(needed, dt * math.sqrt(strongest / lightest / rounds / GIVE))
-    return min(MOST_SUBSTEPS, max(1, math.ceil(needed))), math.ceil(rounds), quickest
+        needed = max(needed, dt * math.sqrt(strongest / lightest / fewest / GIVE))
+    cuts = min(MOST_SUBSTEPS, max(1, math.ceil(needed)))
+    return cuts, math.ceil(max(fewest, rounds / cuts)), quickest

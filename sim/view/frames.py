@@ -5,7 +5,8 @@ A message is little-endian. It begins with a head of 24 bytes
     u32 magic "TRP1"   u16 kind (1 scene, 2 moment)   u16 0   f64 time, s   u32 tick   u32 robots
 
 and then has sections: u32 number, u32 bytes, and so many bytes, filled up with zeros to a multiple
-of four. What a section has not changed since the last message to the same viewer is left out.
+of four. Poses and things are always there; any other section is left out as long as it is the same
+as in the last message to the same viewer, or, at first, as nothing.
 
      1  about      JSON: title, size [m, m], low [m, m] (the lower left corner), models, things, ...
      2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners;
@@ -13,7 +14,7 @@ of four. What a section has not changed since the last message to the same viewe
      3  poses      f32 x, y, yaw (robots)
      4  colors     u32 0xRRGGBB (robots)
      5  states     u8 bits (robots): 1 settled, 2 stalled, 4 touching, 8 waited for
-     6  things     f32 x, y, yaw of every thing that can be pushed or put elsewhere
+     6  things     f32 x, y, yaw of every thing that can be pushed
      7  fans       each: u32 robot, sensor, k; f32 x, y, yaw, fov; f32 ranges (k)
      8  cones      each: u32 robot, sensor, k; f32 fov; f32 x, y, heading, range (k)
      9  sights     each: u32 robot, sensor, k, width, height; f32 x, y, yaw, fov;
@@ -38,15 +39,26 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.strictjson import plain
-from sim.video.snapshot import Backdrop
-from sim.view.moment import Cones, Fan, Marks, Moment, Robot, Scene, Sight, Solid, Switches
+from sim.view.moment import (
+    Cones,
+    Fan,
+    Line,
+    Marks,
+    Moment,
+    Robot,
+    Scene,
+    Sight,
+    Solid,
+    Switches,
+)
 
 MAGIC = 0x31505254
 SCENE, MOMENT = 1, 2
@@ -58,81 +70,78 @@ FANS, CONES, SIGHTS, MARKS, SWITCHES = 7, 8, 9, 10, 11
 PAINT, ROBOTS, SAID, DRAWN, STATUS, CARDS, WAYS = 12, 13, 14, 15, 16, 17, 18
 
 
-@dataclass
-class Told:
-    """What one viewer has been sent so far."""
-
-    robots: int = 0
-    colors: bytes = b""
-    states: bytes = b""
-    backdrop: Backdrop | None = None
-    paint: NDArray[np.int16] | None = None
-    said: dict[int, tuple[float, str]] = field(default_factory=dict)
-    drawn: bytes = b"[]"
-    status: bytes = b""
-    jumps: int = 0
-
-
 def encode_scene(scene: Scene) -> bytes:
     """The first message of a run to a viewer."""
     sections = [(ABOUT, _json(scene.about)), (SOLIDS, _solids(scene.solids))]
     return _message(SCENE, 0.0, 0, 0, sections)
 
 
-def encode_moment(moment: Moment, told: Told, cards: Collection[int] = ()) -> bytes:
-    """A moment for a viewer that knows what `told` says; `told` is brought up to date."""
-    sections: list[tuple[int, bytes]] = []
-    count = len(moment.poses)
-    if told.robots < count:
-        new = [list(robot) for robot in moment.robots[told.robots :]]
-        sections.append((ROBOTS, _json({"from": told.robots, "robots": new})))
-        told.robots = count
-    sections.append((POSES, np.asarray(moment.poses, "<f4").tobytes()))
-    colors = np.asarray(moment.colors, "<u4").tobytes()
-    if colors != told.colors:
-        sections.append((COLORS, colors))
-        told.colors = colors
-    states = moment.states.tobytes()
-    if states != told.states:
-        sections.append((STATES, states))
-        told.states = states
-    if len(moment.things):
-        sections.append((THINGS, np.asarray(moment.things, "<f4").tobytes()))
-    if moment.backdrop is not None and moment.backdrop is not told.backdrop:
-        told.backdrop = moment.backdrop
-        sections.append((SOLIDS, _solids([*told.backdrop.marks, *told.backdrop.solids])))
-    # Readings always: a page shows those of this moment, and no others.
-    sections.append((FANS, b"".join(map(_fan, moment.fans))))
-    sections.append((CONES, b"".join(map(_cones, moment.cones))))
-    sections.append((SIGHTS, b"".join(map(_sight, moment.sights))))
-    sections.append((MARKS, b"".join(map(_marks, moment.marks))))
-    sections.append((SWITCHES, b"".join(map(_switches, moment.switches))))
-    if moment.paint is not None and moment.paint is not told.paint:
-        sections.append((PAINT, paint_runs(told.paint, moment.paint)))
-        told.paint = moment.paint
-    said = [line for line in moment.said if told.said.get(line[0]) != line[1:]]
-    if len(moment.said) < len(told.said):  # time has gone back: it was not said yet
-        saying = {line[0] for line in moment.said}
-        said += [(robot, 0.0, "") for robot in told.said if robot not in saying]
-    if said:
+class Frame:
+    """A moment with its sections as bytes, which are made once however many see it."""
+
+    def __init__(self, moment: Moment) -> None:
+        self.moment = moment
+        self.always = [(POSES, np.asarray(moment.poses, "<f4").tobytes())]
+        if len(moment.things):
+            self.always.append((THINGS, np.asarray(moment.things, "<f4").tobytes()))
+        self.changing = {
+            COLORS: np.asarray(moment.colors, "<u4").tobytes(),
+            STATES: moment.states.tobytes(),
+            FANS: b"".join(map(_fan, moment.fans)),
+            CONES: b"".join(map(_cones, moment.cones)),
+            SIGHTS: b"".join(map(_sight, moment.sights)),
+            MARKS: b"".join(map(_marks, moment.marks)),
+            SWITCHES: b"".join(map(_switches, moment.switches)),
+            DRAWN: _json(moment.drawn) if moment.drawn else b"[]",
+            STATUS: _json(moment.status),
+        }
+        """Sent where they differ from those before."""
+
+    @cached_property
+    def solids(self) -> bytes:
+        """What stands now."""
+        backdrop = self.moment.backdrop
+        return b"" if backdrop is None else _solids([*backdrop.marks, *backdrop.solids])
+
+
+AT_FIRST = {DRAWN: b"[]"}
+"""What a page takes for said before anything was; of all other sections: nothing."""
+
+
+def encode_moment(frame: Frame, before: Frame | None = None, cards: Collection[int] = ()) -> bytes:
+    """The message of a moment to a viewer that got `before` last; `cards`: of which robots."""
+    moment, old = frame.moment, before and before.moment
+    sections = list(frame.always)
+    was = before.changing if before else AT_FIRST
+    sections += [(n, data) for n, data in frame.changing.items() if data != was.get(n, b"")]
+    count, known = len(moment.poses), len(old.poses) if old else 0
+    if known < count:
+        new = [list(robot) for robot in moment.robots[known:]]
+        sections.append((ROBOTS, _json({"from": known, "robots": new})))
+    if moment.backdrop is not None and moment.backdrop is not (old.backdrop if old else None):
+        sections.append((SOLIDS, frame.solids))
+    painted = old.paint if old else None
+    if moment.paint is not None and moment.paint is not painted:
+        sections.append((PAINT, paint_runs(painted, moment.paint)))
+    if said := _said_since(old.said if old else (), moment.said):
         sections.append((SAID, _json(said)))
-        told.said = {robot: (time, words) for robot, time, words in moment.said}
-    drawn = _json(moment.drawn)
-    if drawn != told.drawn:
-        sections.append((DRAWN, drawn))
-        told.drawn = drawn
-    status = _json(moment.status)
-    if status != told.status:
-        sections.append((STATUS, status))
-        told.status = status
-    if moment.ways is not None and moment.jumps != told.jumps:
-        told.jumps = moment.jumps
+    if moment.ways is not None and moment.jumps != (old.jumps if old else 0):
         head = struct.pack("<II", *moment.ways.shape[:2])
         sections.append((WAYS, head + np.asarray(moment.ways, "<f4").tobytes()))
     wanted = {robot: moment.cards[robot] for robot in cards if robot in moment.cards}
     if wanted:
         sections.append((CARDS, _json(wanted)))
     return _message(MOMENT, moment.time, moment.tick, count, sections)
+
+
+def _said_since(before: Sequence[Line], now: Sequence[Line]) -> list[Line]:
+    """Lines that are new, and an empty one of whom has not said anything any more: in a log time
+    may have gone back."""
+    if before == now:
+        return []
+    known = {line[0]: line for line in before}
+    fresh = [line for line in now if known.pop(line[0], None) != line]
+    return [*fresh, *((robot, 0.0, "") for robot in known)]
 
 
 def paint_runs(before: NDArray[np.int16] | None, now: NDArray[np.int16]) -> bytes:
@@ -155,9 +164,8 @@ def _solids(solids: Sequence[Solid]) -> bytes:
     corners = np.array([len(vertices) for vertices, _ in solids], "<u4")
     colors = np.array([color for _, color in solids], "<u4")
     everything = [np.asarray(vertices, "<f4").tobytes() for vertices, _ in solids]
-    return b"".join(
-        [struct.pack("<I", len(corners)), corners.tobytes(), colors.tobytes(), *everything]
-    )
+    head = struct.pack("<I", len(corners))
+    return b"".join([head, corners.tobytes(), colors.tobytes(), *everything])
 
 
 def _fan(fan: Fan) -> bytes:
@@ -186,10 +194,13 @@ def _switches(them: Switches) -> bytes:
     return head + np.asarray(them.parts, "<f4").tobytes()
 
 
+_as_json = json.JSONEncoder(allow_nan=False, ensure_ascii=False).encode
+
+
 def _json(value: Any) -> bytes:
     """JSON that every parser takes: what programs report may hold numbers that are none."""
     try:
-        return json.dumps(value, allow_nan=False, ensure_ascii=False).encode()
+        return _as_json(value).encode()
     except (ValueError, TypeError, UnicodeEncodeError):
         return json.dumps(plain(value), allow_nan=False).encode()
 
@@ -232,8 +243,8 @@ class Message:
 
     @property
     def fans(self) -> list[Fan]:
-        """The scans."""
-        return list(_read_fans(self.sections[FANS]))
+        """The scans; none also where they are those of the message before."""
+        return list(_read_fans(self.sections.get(FANS, b"")))
 
     def paint(self, onto: NDArray[np.int16]) -> None:
         """Bring a layer of paint (rows, columns) up to date."""

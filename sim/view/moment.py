@@ -74,6 +74,10 @@ class Switches(NamedTuple):
     parts: Floats
 
 
+Line = tuple[int, float, str]
+"""Robot, time in seconds, and words."""
+
+
 class Robot(NamedTuple):
     """A robot that has entered: its name, and its model's."""
 
@@ -114,8 +118,8 @@ class Moment:
     switches: Sequence[Switches] = ()
     paint: NDArray[np.int16] | None = None
     """(rows, columns) 0 = bare, r + 1 = painted last by robot r; row 0 lies at y = 0."""
-    said: Sequence[tuple[int, float, str]] = ()
-    """Robot, time and words: the latest of each robot that has said anything."""
+    said: Sequence[Line] = ()
+    """The latest of each robot that has said anything."""
     drawn: Sequence[Mapping[str, Any]] = ()
     """What programs have drawn: robot, kind, points in its frame, color, fill (or None)."""
     status: Mapping[str, Any] = field(default_factory=dict)

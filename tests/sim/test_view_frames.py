@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -12,14 +13,24 @@ import numpy as np
 import pytest
 
 from sim.video.snapshot import Backdrop
+from sim.view import frames
 from sim.view.frames import (
     COLORS,
+    CONES,
+    DRAWN,
+    FANS,
+    MARKS,
     PAINT,
+    POSES,
     ROBOTS,
     SAID,
+    SIGHTS,
     SOLIDS,
     STATUS,
-    Told,
+    SWITCHES,
+    THINGS,
+    Frame,
+    Message,
     decode,
     decode_robots,
     encode_moment,
@@ -58,6 +69,9 @@ def moment(**changes: Any) -> Moment:
         "marks": [Marks(1, 3, POSE, np.array([[7, 1, 2, 0.5]], np.float32))],
         "switches": [Switches(1, 4, POSE, np.array([[1, 0, 0.5], [0, 0.5, 1]], np.float32))],
         "said": [(1, 12.5, "hello")],
+        "drawn": [{"robot": 0, "kind": "points", "points": [[1, 2]], "color": 255, "fill": None}],
+        "ways": np.array([[[1, 2, 0.5], [3, 4, 0.5]], [[2, 2, 0.5], [3, 5, 0.5]]], np.float32),
+        "jumps": 1,
         "status": {"paused": False, "pace": None},
         "cards": {0: {"name": "r1"}, 1: {"name": "ärger"}},
     }
@@ -86,7 +100,7 @@ def read_by_the_page(message: bytes, folder: Path) -> dict[str, Any]:
 
 
 def test_a_moment_is_read_back_a_moment_as_it_was() -> None:
-    found = decode(encode_moment(moment(), Told(), [1]))
+    found = decode(encode_moment(Frame(moment()), None, [1]))
     assert (found.time, found.tick, found.robots) == (12.5, 125, 2)
     assert np.array_equal(found.poses, moment().poses)
     assert decode_robots(found) == moment().robots
@@ -98,7 +112,7 @@ def test_a_moment_is_read_back_a_moment_as_it_was() -> None:
 def test_the_page_reads_a_moment_as_it_was(tmp_path: Path) -> None:
     layer = np.zeros((3, 4), np.int16)
     layer[0, 1:3], layer[2, 3] = 2, 1
-    found = read_by_the_page(encode_moment(moment(paint=layer), Told(), [1]), tmp_path)
+    found = read_by_the_page(encode_moment(Frame(moment(paint=layer)), None, [1]), tmp_path)
     assert found["kind"] == "moment"
     assert (found["time"], found["tick"], found["robots"]) == (12.5, 125, 2)
     assert found["poses"] == [1, 2, 0.5, 3, 4, -0.5]
@@ -118,6 +132,8 @@ def test_the_page_reads_a_moment_as_it_was(tmp_path: Path) -> None:
     assert found["paint"] == {"firsts": [1, 11], "lengths": [2, 1], "owners": [2, 1]}
     assert found["entered"] == {"from": 0, "robots": [["r1", "rover"], ["ärger", "rover"]]}
     assert found["said"] == [[1, 12.5, "hello"]]
+    assert found["drawn"] == moment().drawn
+    assert found["ways"] == [[1, 2, 0.5, 3, 4, 0.5], [2, 2, 0.5, 3, 5, 0.5]]
     assert found["status"] == {"paused": False, "pace": None}
     assert found["cards"] == {"1": {"name": "ärger"}}
 
@@ -134,25 +150,56 @@ def test_the_page_reads_a_scene_as_it_was(tmp_path: Path) -> None:
     ]
 
 
+def sent(now: Moment, before: Moment | None) -> Message:
+    """The message of a moment to a viewer that got another one last."""
+    return decode(encode_moment(Frame(now), before and Frame(before)))
+
+
+def test_every_section_that_is_described_is_written() -> None:
+    described = {int(n) for n in re.findall(r"^ +(\d+)  [a-z]+ ", frames.__doc__, re.MULTILINE)}
+    square = np.array([[0, 0], [1, 0], [1, 1]], float)
+    scene = decode(encode_scene(Scene({"title": "one"}, [(square, 0)])))
+    layer = np.ones((3, 4), np.int16)
+    whole = decode(encode_moment(Frame(moment(paint=layer)), None, [1]))
+    assert len(described) == 18
+    assert set(scene.sections) | set(whole.sections) == described
+
+
 def test_what_has_not_changed_is_not_sent_again() -> None:
-    told = Told()
-    encode_moment(moment(), told)
-    again = decode(encode_moment(moment(), told))
-    assert not {COLORS, ROBOTS, SAID, STATUS} & set(again.sections)
+    first = moment()
+    assert {COLORS, ROBOTS, SAID, STATUS, FANS, SIGHTS} < set(sent(first, None).sections)
+    assert set(sent(moment(), first).sections) == {POSES, THINGS}
     newcomer = moment(
-        poses=np.zeros((3, 3), np.float32), robots=[*moment().robots, Robot("r3", "rover")]
+        poses=np.zeros((3, 3), np.float32), robots=[*first.robots, Robot("r3", "rover")]
     )
-    assert decode_robots(decode(encode_moment(newcomer, told))) == [Robot("r3", "rover")]
+    assert decode_robots(sent(newcomer, first)) == [Robot("r3", "rover")]
+
+
+def test_nothing_is_said_of_what_is_not_there() -> None:
+    kinds = ("fans", "cones", "sights", "marks", "switches", "said", "drawn")
+    bare = dict.fromkeys(kinds, ())
+    found = sent(moment(**bare), None).sections
+    assert not {FANS, CONES, SIGHTS, MARKS, SWITCHES, SAID, DRAWN} & set(found)
+
+
+def test_what_is_no_more_is_told(tmp_path: Path) -> None:
+    gone = encode_moment(Frame(moment(fans=(), said=())), Frame(moment()))
+    assert decode(gone).sections[FANS] == b""
+    found = read_by_the_page(gone, tmp_path)
+    assert found["fans"] == []
+    assert found["said"] == [[1, 0.0, ""]]
+    assert "sights" not in found
 
 
 def test_what_stands_is_sent_again_only_where_a_hand_has_moved_it() -> None:
-    told = Told()
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
     here, there = (Backdrop((9.0, 9.0), solids=[(square + x, 0xFF)]) for x in (2.0, 5.0))
-    found = []
+    found, before = [], None
     for backdrop in (None, there, there, here):
-        sections = decode(encode_moment(moment(backdrop=backdrop), told)).sections
+        now = moment(backdrop=backdrop)
+        sections = sent(now, before).sections
         found.append(np.frombuffer(sections.get(SOLIDS, b"")[-32:], "<f4"))
+        before = now
     assert [len(one) for one in found] == [0, 8, 0, 8]
     assert found[1].reshape(4, 2) == pytest.approx(square + 5.0)
     assert found[3].reshape(4, 2) == pytest.approx(square + 2.0)
@@ -160,22 +207,22 @@ def test_what_stands_is_sent_again_only_where_a_hand_has_moved_it() -> None:
 
 def test_paint_arrives_whole_however_many_moments_are_dropped() -> None:
     rng = np.random.default_rng(1)
-    layer, shown, told = np.zeros((40, 30), np.int16), np.zeros((40, 30), np.int16), Told()
-    for _ in range(20):
+    layer, shown, last = np.zeros((40, 30), np.int16), np.zeros((40, 30), np.int16), None
+    for turn in range(20):
         layer = layer.copy()
         row, column = rng.integers(0, 20, 2)
         layer[row : row + 9, column : column + 9] = rng.integers(1, 5)
-        if rng.random() < 0.5:
+        if rng.random() < 0.5 and turn < 19:
             continue  # dropped
-        decode(encode_moment(moment(paint=layer), told)).paint(shown)
+        now = moment(paint=layer)
+        sent(now, last).paint(shown)
         assert np.array_equal(shown, layer)
-    decode(encode_moment(moment(paint=layer), told)).paint(shown)
-    assert np.array_equal(shown, layer)
-    assert PAINT not in decode(encode_moment(moment(paint=layer), told)).sections
+        last = now
+    assert PAINT not in sent(moment(paint=layer), last).sections
 
 
 def test_numbers_that_are_none_are_json_all_the_same() -> None:
-    told = decode(encode_moment(moment(status={"speed": float("nan")}), Told()))
+    told = sent(moment(status={"speed": float("nan")}), None)
     assert isinstance(told.json(STATUS), dict)
 
 

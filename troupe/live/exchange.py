@@ -14,10 +14,13 @@ from time import monotonic
 from sim.view.moment import Moment, Scene
 from troupe.live.asks import Ask
 
-LEAST = 1 / 30
-"""Wall-clock seconds between two moments."""
-SHARE = 0.02
-"""Of the run's time that all that is done for viewers may take: moments come seldom enough."""
+PACED, FLAT_OUT = 1 / 30, 1 / 12
+"""Wall-clock seconds between two moments at the least: of a run that is held to the clock, where
+they show motion; and of one that goes flat out, where they show jumps, however many there are."""
+SHARE = 0.01
+"""Of a run that goes flat out, what its process may do for viewers, in seconds of the processor: so
+seldom moments come. A run loses more than that: a thread that wakes up takes its core, and what
+the caches hold of it, from the run or a controller."""
 MOST_ASKED = 256
 """Wishes that wait to be obeyed; further ones are dropped."""
 
@@ -62,13 +65,13 @@ class Exchange:
         self.ring()
 
     def offer(self, moment: Moment, cost: float = 0.0, *, idle: bool = False) -> None:
-        """The run has come to this moment; making it has cost so many seconds.
+        """The run has come to this moment; making it has cost so many seconds of the processor.
 
         `idle`: the run has time to spare, as it is held to the wall clock.
         """
         with self._lock:
             spent, self._cost = self._cost + cost, 0.0
-        self._next = monotonic() + (LEAST if idle else max(LEAST, spent / SHARE))
+        self._next = monotonic() + (PACED if idle else max(FLAT_OUT, spent / SHARE))
         self.hungry = False
         self.moment = moment
         self.moments += 1
@@ -101,6 +104,6 @@ class Exchange:
         self.wake()
 
     def spend(self, seconds: float) -> None:
-        """So long the server has worked for viewers."""
+        """So long the server has worked for viewers, in seconds of the processor."""
         with self._lock:
             self._cost += seconds

@@ -37,7 +37,7 @@ class Shown:
     def add(self, group: Group, row: int, sensor: int) -> None:
         """Add one sensor's reading, if it is of a kind that can be drawn."""
         readings, robot = group.readings, int(group.robots[row])
-        x, y, yaw = map(float, group.origins[row])
+        x, y, yaw = group.origins[row].tolist()
         pose: Pose = (x, y, yaw)
         if isinstance(readings, Scans | Intensities):
             ranges = np.minimum(readings.ranges[row], 1e5).astype(np.float32)
@@ -125,9 +125,11 @@ def placed(readings: Elements, row: int, pose: Pose) -> NDArray[np.float32]:
 def seen_blobs(readings: Blobs, row: int) -> NDArray[np.uint32]:
     """A camera's blobs (k, 6): colour, left, right, top, bottom, range in millimetres."""
     blobs = readings.seen(row)
-    columns = [blobs[name] for name in ("color", "left", "right", "top", "bottom")]
-    columns.append(np.minimum(1000.0 * blobs["range"], 4e9).astype(np.uint32))
-    return np.stack(columns, axis=1).astype(np.uint32)
+    found = np.empty((len(blobs), 6), np.uint32)
+    for column, name in enumerate(("color", "left", "right", "top", "bottom")):
+        found[:, column] = blobs[name]
+    found[:, 5] = np.minimum(1000.0 * blobs["range"], 4e9)
+    return found
 
 
 def described(group: Group, row: int) -> dict[str, Any]:

@@ -3,6 +3,10 @@
 A page tells when it has drawn a moment, and has at most two under way: one that stands in a
 debugger, or at the end of a slow line, gets fewer, holds nobody up, and costs one moment's memory.
 One that floods, or sends what no page sends, is cut off; the others do not notice.
+
+What is new is written at once by whoever finds that a page can take it (`_feed`), without tasks
+that wake each other: a moment costs a run that goes on beside this thread by how much code it goes
+through.
 """
 
 from __future__ import annotations
@@ -14,22 +18,22 @@ import os
 import secrets
 import socket
 import threading
+from collections.abc import Iterator
 from http import HTTPStatus
 from time import monotonic, thread_time
 from typing import Any
 
 from websockets.asyncio.server import Server as Listening
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from sim.view.frames import Told, encode_moment, encode_scene
-from sim.view.moment import Scene
 from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
 from troupe.live.entrance import answer
 from troupe.live.exchange import Exchange
-from troupe.live.viewer import Viewer
+from troupe.live.messages import Messages
+from troupe.live.viewer import FULL, Viewer
 
 MOST_VIEWERS = 32
 LONGEST_ASK = 4096
@@ -51,7 +55,7 @@ class LiveServer:
         self.bound = ""
         self.port = 0
         self.viewers: set[Viewer] = set()
-        self._encoded: tuple[Scene | None, bytes] = (None, b"")
+        self._messages = Messages(read_only)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="live", daemon=True)
         self._listening: Listening | None = None
@@ -96,7 +100,7 @@ class LiveServer:
             compression=None,  # memory and time for each viewer; the bytes go through loopback
             max_size=LONGEST_ASK,
             max_queue=16,
-            write_limit=1 << 16,
+            write_limit=FULL,
             ping_interval=20,
             ping_timeout=60,
             close_timeout=1,
@@ -106,7 +110,7 @@ class LiveServer:
 
     async def _close(self) -> None:
         self._closing = True
-        self._wake_all()
+        self._feed()
         until = monotonic() + LAST_WORDS
         await asyncio.gather(*[self._is_done(viewer, until) for viewer in self.viewers])
         await asyncio.gather(*[viewer.leave() for viewer in self.viewers], return_exceptions=True)
@@ -146,8 +150,8 @@ class LiveServer:
         """One page, from its coming to its going."""
         viewer = Viewer(line)
         self.viewers.add(viewer)
-        self._count_hungry()
-        sending = asyncio.create_task(self._feed(viewer))
+        self._spent = thread_time()  # it has come in: that is paid once, and by no moment
+        self._feed(viewer)
         try:
             async for text in line:
                 if not viewer.affords():
@@ -162,7 +166,6 @@ class LiveServer:
             pass
         finally:
             self.viewers.discard(viewer)
-            sending.cancel()
             for robot in viewer.drives:
                 self.exchange.ask(Ask("drive", robot, (0.0, 0.0, 0.0)))
             for robot in viewer.holds:
@@ -174,8 +177,7 @@ class LiveServer:
         if ask.do == "seen":
             viewer.under_way = max(0, viewer.under_way - 1)
             viewer.since = monotonic()
-            viewer.news.set()
-            self._count_hungry()
+            self._feed(viewer)
         elif ask.do == "select":
             viewer.selected = ask.robots
             self._select()
@@ -184,48 +186,40 @@ class LiveServer:
             return
         elif ask.do == "world":
             viewer.wants_world = True
-            viewer.news.set()
+            self._feed(viewer)
         else:
             viewer.note(ask)
             self.exchange.ask(ask)
 
-    async def _feed(self, viewer: Viewer) -> None:
-        """Send a page what is new whenever it has drawn what it got."""
-        exchange, send = self.exchange, viewer.line.send
-        with contextlib.suppress(ConnectionClosed):
-            while True:
-                scene, moment = exchange.scene, exchange.moment
-                messages: list[Any] = []
-                if viewer.scenes != exchange.scenes and scene is not None:
-                    viewer.scenes, viewer.moments, viewer.told = exchange.scenes, -1, Told()
-                    messages.append(self._scene(scene))
-                if viewer.notices != exchange.notices:
-                    viewer.notices = exchange.notices
-                    messages.append(json.dumps({"notices": exchange.said}))
-                if viewer.wants_world and moment is not None and exchange.world is not None:
-                    viewer.wants_world = False
-                    messages.append(json.dumps({"world": exchange.world(moment)}))
-                fresh = viewer.moments != exchange.moments and viewer.scenes == exchange.scenes
-                if moment is not None and fresh and (viewer.hungry or self._closing):
-                    viewer.moments = exchange.moments
-                    if not viewer.under_way:
-                        viewer.since = monotonic()
-                    viewer.under_way += 1
-                    messages.append(encode_moment(moment, viewer.told, viewer.selected))
-                self._count_hungry()
-                if not messages:
-                    await viewer.news.wait()
-                    viewer.news.clear()
-                for message in messages:
-                    await send(message)
-                self._count_cost()
+    def _feed(self, *viewers: Viewer) -> None:
+        """Send these pages, or all, what is new to them, as far as they can take it."""
+        for viewer in viewers or self.viewers:
+            if viewer.takes:
+                for message in self._news(viewer):
+                    broadcast([viewer.line], message)
+        self._count_hungry()
+        self._count_cost()
 
-    def _scene(self, scene: Scene) -> bytes:
-        """The scene's message: the same for all."""
-        if self._encoded[0] is not scene:
-            about = {**scene.about, "read_only": self.read_only}
-            self._encoded = scene, encode_scene(Scene(about, scene.solids))
-        return self._encoded[1]
+    def _news(self, viewer: Viewer) -> Iterator[str | bytes]:
+        """What a page is to be told now."""
+        exchange = self.exchange
+        moments, scenes = exchange.moments, exchange.scenes  # read first: never ahead of what is
+        scene, moment = exchange.scene, exchange.moment
+        if viewer.scenes != scenes and scene is not None:
+            viewer.scenes, viewer.moments, viewer.frame = scenes, -1, None
+            yield self._messages.scene(scene)
+        if viewer.notices != exchange.notices:
+            viewer.notices = exchange.notices
+            yield json.dumps({"notices": exchange.said})
+        if viewer.wants_world and moment is not None and exchange.world is not None:
+            viewer.wants_world = False
+            yield json.dumps({"world": exchange.world(moment)})
+        fresh = viewer.moments != moments and viewer.scenes == scenes
+        if moment is not None and fresh and (viewer.hungry or self._closing):
+            if not viewer.under_way:
+                viewer.since = monotonic()
+            viewer.under_way += 1
+            yield self._messages.moment(moments, moment, viewer)
 
     def _select(self) -> None:
         chosen = [viewer.selected for viewer in self.viewers]
@@ -244,14 +238,10 @@ class LiveServer:
         self.exchange.spend(now - self._spent)
         self._spent = now
 
-    def _wake_all(self) -> None:
-        for viewer in self.viewers:
-            viewer.news.set()
-
     # -- other threads ----------------------------------------------------------------------
 
     def _ring(self) -> None:
-        self._loop.call_soon_threadsafe(self._wake_all)
+        self._loop.call_soon_threadsafe(self._feed)
 
     def _wait(self, work: Any, limit: float) -> None:
         asyncio.run_coroutine_threadsafe(work, self._loop).result(limit)

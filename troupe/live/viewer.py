@@ -8,7 +8,7 @@ from time import monotonic
 
 from websockets.asyncio.server import ServerConnection
 
-from sim.view.frames import Told
+from sim.view.frames import Frame
 from troupe.live.asks import Ask
 from troupe.live.exchange import MOST_ASKED
 
@@ -16,6 +16,8 @@ RATE, BURST = 240.0, 480.0
 """Messages a second that a page may send for long, and at once."""
 UNDER_WAY = 2
 """Moments that a page has been sent and has not drawn yet."""
+FULL = 1 << 16
+"""Bytes that wait for its line, above which nothing is added."""
 PROMPT = 0.5
 """Wall-clock seconds within which a page that is awake has drawn a moment, and said goodbye."""
 GOING_AWAY = 1001
@@ -27,9 +29,10 @@ class Viewer:
 
     def __init__(self, line: ServerConnection) -> None:
         self.line = line
-        self.told = Told()
         self.scenes = 0
         self.moments = 0
+        self.frame: Frame | None = None
+        """The moment that it was sent last; `moments`: its number."""
         self.notices = 0
         self.under_way = 0
         self.selected: tuple[int, ...] = ()
@@ -39,9 +42,13 @@ class Viewer:
         self.wants_world = False
         self.since = monotonic()
         """Since when the first moment under way waits to be drawn."""
-        self.news = asyncio.Event()
         self.credit = BURST
         self.counted = monotonic()
+
+    @property
+    def takes(self) -> bool:
+        """Whether its line has room: what it did not take in time is little."""
+        return self.line.transport.get_write_buffer_size() <= FULL
 
     @property
     def hungry(self) -> bool:

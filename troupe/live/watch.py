@@ -196,8 +196,8 @@ class Watch:
         self._seen = self.exchange.selected
         moment = self.moment(engine)
         self._offered = monotonic()
-        cost, idle = thread_time() - began, engine.realtime is not None
-        self.exchange.offer(moment, cost, idle=idle)
+        idle = engine.pace.ahead(engine.time) > 0.0
+        self.exchange.offer(moment, thread_time() - began, idle=idle)
 
     def moment(self, engine: Engine) -> Moment:
         """What the engine is at."""

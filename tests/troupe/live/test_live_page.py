@@ -16,6 +16,11 @@ from watching import Watched, watched
 from sim.build import load
 
 pytestmark = browsing.NEEDED
+NOTE = """() => {
+  const box = document.getElementById("notices");
+  window.noticed = [];
+  new MutationObserver(() => noticed.push(box.textContent)).observe(box, { childList: true });
+}"""
 
 
 @pytest.fixture
@@ -272,9 +277,10 @@ def test_a_robot_is_taken_from_its_controller_and_given_back(browser: Any) -> No
 def test_the_run_begins_again_with_another_seed(page: Page) -> None:
     page.page.keyboard.press(".")
     page.until("(t) => t.state.tick === 1")
+    page.page.evaluate(NOTE)
     page.page.fill("#seed", "twelve")
     page.page.press("#seed", "Enter")
-    assert "whole number" in page.page.inner_text("#state")
+    page.until("() => noticed.some((line) => line.includes('whole number'))")
     page.page.fill("#seed", "12")
     page.page.press("#seed", "Enter")
     page.until("(t) => t.state.tick === 0 && t.state.status.seed === 12")

@@ -42,6 +42,19 @@ def move_slider(page: Page, time: float) -> None:
     )
 
 
+def test_a_page_on_which_nothing_changes_asks_for_no_pictures(page: Page) -> None:
+    page.until("(t) => !t.dirty")
+    asked = page.get("""(async () => {
+      const ask = requestAnimationFrame;
+      let asked = 0;
+      window.requestAnimationFrame = (what) => { asked += 1; return ask(what); };
+      for (let k = 0; k < 3; k++) await new Promise(ask);
+      window.requestAnimationFrame = ask;
+      return asked;
+    })()""")
+    assert asked == 0
+
+
 def test_the_time_line_shows_the_poses_of_that_time(page: Page, log: Path) -> None:
     kept = troupe.Log(log)
     assert page.page.is_visible("#line")

@@ -24,7 +24,12 @@ const page = {
     dark: matchMedia("(prefers-color-scheme: dark)").matches,
     show: {}, selected: new Set(), ghost: null, readOnly: false,
   },
-  changed() { page.dirty = true; },
+  /** There is something new to be drawn, with the screen's next picture. */
+  changed() {
+    page.dirty = true;
+    if (!page.asked) requestAnimationFrame(frame);
+    page.asked = true;
+  },
   toggle(layer) {
     const box = document.querySelector(`#layers input[name=${layer}]`);
     box.checked = !box.checked;
@@ -47,6 +52,7 @@ const page = {
   },
   drawn: 0,
   dirty: false,
+  asked: false,          // a picture is
 };
 
 const strip = new Strip(find);
@@ -57,16 +63,7 @@ let unseen = 0, over = false, lined = true;
 page.link = new Link({
   open() { say("Connected."); },
   closed(reason) { if (!over) say(reason ? `The connection has ended: ${printable(reason)}.` : "The connection has ended."); },
-  notices(lines) {
-    const box = find("notices");
-    box.replaceChildren(...lines.slice(-3).map((line) => {
-      const p = document.createElement("p");
-      p.textContent = printable(line, 300);
-      return p;
-    }));
-    clearTimeout(page.clearing);
-    page.clearing = setTimeout(() => box.replaceChildren(), 6000);
-  },
+  notices(lines) { notice(...lines.slice(-3)); },
   world(text) { saveText(text, `troupe-${page.state.time.toFixed(1)}.yaml`); },
   scene(message) {
     page.state.begin(message);
@@ -107,9 +104,10 @@ page.link = new Link({
 const hands = (page.hands = new Hands(page));
 const card = new Card(find("card"), (what) => page.link.ask(what));
 
-/** Once a picture: draw what is new, and say so, so that more may come. */
+/** Draw what is new, and say so, so that more may come. */
 function frame(now) {
   const { state, view, camera } = page;
+  page.asked = false;
   if (page.dirty && state.scene) {
     page.dirty = false;
     if (view.show.follow && view.selected.size) {
@@ -129,7 +127,6 @@ function frame(now) {
     page.drawn = state.moments;
   }
   acknowledge();
-  requestAnimationFrame(frame);
 }
 
 /** What has come may be followed by more. */
@@ -170,6 +167,18 @@ function put(box, text) {
 }
 
 function say(text) { put(find("state"), text); }
+
+/** Lines that stay for a while, whatever the run does meanwhile. */
+function notice(...lines) {
+  const box = find("notices");
+  box.replaceChildren(...lines.map((line) => {
+    const p = document.createElement("p");
+    p.textContent = printable(line, 300);
+    return p;
+  }));
+  clearTimeout(page.clearing);
+  page.clearing = setTimeout(() => box.replaceChildren(), 6000);
+}
 
 /** The robots' names, for whoever types one. */
 function list() {
@@ -214,9 +223,9 @@ find("here").onclick = async () => {
   history.replaceState(null, "", link);
   try {
     await navigator.clipboard.writeText(link);
-    say("The link is on the clipboard.");
+    notice("The link is on the clipboard.");
   } catch {
-    say("The link stands in the address bar.");
+    notice("The link stands in the address bar.");
   }
 };
 find("world").onclick = () => {
@@ -233,17 +242,16 @@ find("again").onsubmit = (event) => {
   const seed = find("seed").value.trim();
   if (seed === "") page.link.ask({ do: "again" });
   else if (/^\d{1,15}$/.test(seed)) page.link.ask({ do: "again", seed: Number(seed) });
-  else say("A seed is a whole number.");
+  else notice("A seed is a whole number.");
 };
 find("find").onsubmit = (event) => {
   event.preventDefault();
   const robot = page.state.names.indexOf(find("robot").value.trim());
   if (robot >= 0) hands.select([robot]);
-  else say("There is no robot of that name.");
+  else notice("There is no robot of that name.");
 };
 window.addEventListener("hashchange", () => goTo(location.hash));
 if (innerWidth <= 720) find("layers").open = false;
 new ResizeObserver(size).observe(find("stage"));
 looks();
-requestAnimationFrame(frame);
 window.troupe = page;   // for those who look at the page with a program
