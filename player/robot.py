@@ -30,6 +30,7 @@ from player.proxies import (
     GripperProxy,
     LaserProxy,
     Position2dProxy,
+    PowerProxy,
     Proxy,
     RangerProxy,
     SimulationProxy,
@@ -150,6 +151,11 @@ class Robot:
     @cached_property
     def gripper(self) -> GripperProxy:
         return self._proxy(GripperProxy)
+
+    @cached_property
+    def power(self) -> PowerProxy:
+        """The battery."""
+        return self._proxy(PowerProxy)
 
     @cached_property
     def speech(self) -> SpeechProxy:

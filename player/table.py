@@ -205,6 +205,23 @@ TABLE: tuple[Row, ...] = (
     (I.POSITION2D, ACK, 8, "position_pid", EMPTY),
     (I.POSITION2D, REQ, 9, "speed_profile", (("speed", F32), ("acceleration", F32))),
     (I.POSITION2D, ACK, 9, "speed_profile", EMPTY),
+    # power
+    (
+        I.POWER,
+        DATA,
+        1,
+        "state",
+        (
+            ("valid", U32),
+            ("volts", F32),
+            ("percent", F32),
+            ("joules", F32),
+            ("watts", F32),
+            ("charging", I32),
+        ),
+    ),
+    (I.POWER, REQ, 1, "set_charging_policy", (("enable_input", U8), ("enable_output", U8))),
+    (I.POWER, ACK, 1, "set_charging_policy", EMPTY),
     # gripper
     (I.GRIPPER, DATA, 1, "state", (("state", U8), ("beams", U32), ("stored", U8))),
     (I.GRIPPER, CMD, 1, "open", EMPTY),

@@ -21,7 +21,7 @@ from player.server import Server
 from sim.build import LoadedWorld
 from sim.devices.device import Context
 from sim.devices.switchboard import Switchboard
-from sim.devices.things import named_things
+from sim.devices.things import chargers_of, named_things
 from sim.ending import Ending
 from sim.entry import Entry
 from sim.fleet.clocks import Clocks
@@ -94,7 +94,12 @@ class Engine:
         self.scenery = Scenery(self.loaded, self.settings.seed)
         self.server = Server()
         self.spraying = Spraying(self.scenery.floor)
-        self.context = Context(self.scenery, self.interval, things=named_things(world))
+        self.context = Context(
+            self.scenery,
+            self.interval,
+            things=named_things(self.loaded.layout),
+            chargers=chargers_of(world),
+        )
         self.switchboard = Switchboard(self.context, self.say)
         self.sensing = Sensing(self.context, self.switchboard, everything=self.settings.sense_all)
         patience = Patience(self.settings.patience)
@@ -258,6 +263,8 @@ class Engine:
         self.ticks += 1
         self.context.time = time = self.time
         self.spraying.mark(ways)
+        for go_on in self.context.each_tick:
+            go_on()
         if self.doors.doors:
             self.open_doors()
         self.sensing.sense(self.ticks, time)

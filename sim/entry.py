@@ -74,8 +74,9 @@ class Entry:
         )
         self.context.admit(robot)
         self.spraying.admit(robot)
-        if self.ports.shares or any(one.type == "gripper" for one in model.actuators):
-            robot.port  # noqa: B018 - its devices take their places, its paddles show
+        grips = any(one.type == "gripper" for one in model.actuators)
+        if self.ports.shares or grips or model.battery is not None:
+            robot.port  # noqa: B018 - its devices take their places, paddles show, batteries drain
         self.crew.drivers.enter(robot)
         if function is not None:
             client = DirectClient(

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.showing import backdrop_of, drawings_of, movables_of, shape_of
+from sim.showing import Backdrops, backdrop_of, drawings_of, movables_of, shape_of
 from sim.video.layers import Layer, layers_of
-from sim.video.snapshot import Shape
+from sim.video.snapshot import Backdrop, Shape
 from sim.view.present import ENDED, Present
 
 if TYPE_CHECKING:
@@ -67,7 +67,9 @@ def shown(loaded: LoadedWorld, show: Iterable[str] | None) -> frozenset[Layer]:
     return layers_of(loaded.world.video.show if show is None else show)
 
 
-def present_of(engine: Engine, movables: list[tuple[Shape, int]]) -> Present:
+def present_of(
+    engine: Engine, movables: list[tuple[Shape, int]], backdrop: Backdrop | None
+) -> Present:
     """What there is to show of a run, now."""
     scenery, robots = engine.scenery, engine.robots
     paints = scenery.floor.painted_area > 0.0
@@ -88,6 +90,7 @@ def present_of(engine: Engine, movables: list[tuple[Shape, int]]) -> Present:
         floor=scenery.floor.owner if paints else None,
         resolution=scenery.floor.resolution,
         coverage=scenery.floor.coverage if paints else None,
+        backdrop=backdrop,
     )
 
 
@@ -99,6 +102,7 @@ class Film:
         self.still = still
         self.robots = 0
         self.movables: list[tuple[Shape, int]] | None = None
+        self.backdrops: Backdrops | None = None
 
     @property
     def error(self) -> str | None:
@@ -118,9 +122,11 @@ class Film:
 
     def look(self, engine: Engine) -> Present:
         """What there is to show of a run."""
-        if self.movables is None:
+        if self.movables is None or self.backdrops is None:
             self.movables = movables_of(engine.loaded)
-        return present_of(engine, self.movables)
+            self.backdrops = Backdrops(engine.loaded)
+        backdrop = self.backdrops.of(engine.scenery.stage.layout)
+        return present_of(engine, self.movables, backdrop)
 
     def shoot(
         self,

@@ -23,13 +23,29 @@ class Hands:
             self.put_thing(name, pose)
 
     def reset(self) -> None:
-        """Put all robots back where they entered: a client with full access has asked for it."""
+        """Put all robots back where they entered: a client with full access has asked for it.
+
+        So is what stands, before the robots or after them, as there is room.
+        """
         self.context.resets = 0
+        self.put_back()
         starts = {robot.index: robot.record.start for robot in self.context.robots}
         staying = self.put(starts)
+        for name, start in self.put_back():
+            self.say(stays(name, start))
         for robot in starts:
             if robot not in staying:
                 self.context.scenery.odometry.reset(robot)
+
+    def put_back(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Put fixtures back to where they stood at the start; those for which there is no room."""
+        scenery = self.context.scenery
+        first = len(scenery.stage.layout.movables)
+        return [
+            (one.name, one.start)
+            for number, one in enumerate(scenery.stage.layout.fixtures, first)
+            if one.pose != one.start and not scenery.put_thing(number, one.start)
+        ]
 
     def put(self, poses: Mapping[int, tuple[float, float, float]]) -> list[int]:
         """Put robots at poses in the world, all at once; those who have no room there, and stay."""
@@ -39,9 +55,8 @@ class Hands:
         return staying
 
     def put_thing(self, name: str, pose: tuple[float, float, float]) -> None:
-        """Put an obstacle that can be pushed at a pose in the world, if there is room."""
-        number = self.context.things[name].number
-        if number is None or not self.context.scenery.stage.put_movable(number, pose):
+        """Put an obstacle at a pose in the world, if there is room."""
+        if not self.context.scenery.put_thing(self.context.things[name].number, pose):
             self.say(stays(name, pose))
 
 

@@ -95,7 +95,8 @@ class DoorRecord:
 class Touch:
     """What a hand did to a run, between tick number `tick` and the next.
 
-    `what`: put (the robot to a pose x, y, yaw), put_thing (a movable thing, `robot` is its number),
+    `what`: put (the robot to a pose x, y, yaw), put_thing (`robot` is the thing's number: movable
+    ones come first),
     drive (a twist vx, vy, wz), take (the robot from its controller), give (it back), pause.
     Metres, radians, and either per second.
     """

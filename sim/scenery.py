@@ -67,6 +67,17 @@ class Scenery:
                 self.odometry.relocate(robot, pose)
         return staying
 
+    def put_thing(self, number: int, pose: tuple[float, float, float]) -> bool:
+        """Put a thing at a pose in the world by hand; False where there is no room for it.
+
+        Things are the obstacles that can be pushed, and after them the layout's fixtures.
+        """
+        found = self.stage.put_thing(number, pose)
+        fixture = number - len(self.surroundings.movables)
+        if found and fixture >= 0:
+            self.surroundings.put_fixture(fixture, pose)
+        return found
+
     def set_color(self, robot: Robot, color: int) -> None:
         """Give a robot's body another colour: cameras see it from the next reading on."""
         robot.color = color

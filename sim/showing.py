@@ -17,19 +17,20 @@ from sim.view.figure import Figure, figures_that_show
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
+    from sim.stage.layout import Layout
     from sim.stage.standing import Look
 
 PALE = 0.6
 """The share of the ground's colour in that of things which robots can drive over or under."""
 
 
-def backdrop_of(loaded: LoadedWorld) -> Backdrop:
-    """What never moves.
+def backdrop_of(loaded: LoadedWorld, layout: Layout | None = None) -> Backdrop:
+    """What does not move by itself, as it stands in a layout, or at the start.
 
     Of the boundary that which can be met: where a map has walls of its own along the edge, the
     boundary behind them is not shown.
     """
-    layout, world = loaded.layout, loaded.world
+    layout, world = layout or loaded.layout, loaded.world
     solids = [(one.vertices, one.look.color) for one in layout.solids if stops_robots(one.look)]
     marks = [
         (one.vertices, mix(one.look.color, GROUND, PALE))
@@ -51,6 +52,21 @@ def backdrop_of(loaded: LoadedWorld) -> Backdrop:
     )
 
 
+class Backdrops:
+    """The backdrop of a world in which hands move what stands."""
+
+    def __init__(self, loaded: LoadedWorld) -> None:
+        self._loaded = loaded
+        self._layout = loaded.layout
+        self._latest: Backdrop | None = None
+
+    def of(self, layout: Layout) -> Backdrop | None:
+        """That of a layout: the same as before where nothing has moved, None where nothing ever."""
+        if layout is not self._layout:
+            self._layout, self._latest = layout, backdrop_of(self._loaded, layout)
+        return self._latest
+
+
 def stops_robots(look: Look) -> bool:
     """Whether a thing takes up floor: what does not is shown pale, and under the robots."""
     return look.solid and look.z == 0.0
@@ -64,6 +80,12 @@ def shape_of(body: Any) -> Shape:
 def movables_of(loaded: LoadedWorld) -> list[tuple[Shape, int]]:
     """Shape and colour of every thing that can be pushed."""
     return [(shape_of(movable.body), movable.color) for movable in loaded.layout.movables]
+
+
+def thing_poses(layout: Layout, movable_poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(k, 3) where all things are: what can be pushed, then the fixtures of a layout."""
+    standing = np.array([one.pose for one in layout.fixtures]).reshape(-1, 3)
+    return np.concatenate([movable_poses, standing])
 
 
 def drawings_of(figures: Sequence[Sequence[Figure]], poses: NDArray[np.float64]) -> list[Drawing]:

@@ -11,11 +11,12 @@ from sensors.eyes import eyes
 from sensors.noise import random_color
 from sensors.scene import Scene
 from sensors.suite import Suite
-from sim.stage.geometry import faces
+from sim.stage.geometry import carried, faces
 from sim.worldfile.values import RANDOM
 
 if TYPE_CHECKING:
     from sim.stage.layout import Layout
+    from sim.stage.standing import Look
     from sim.worldfile.schema import Model
 
 Floats = NDArray[np.float64]
@@ -34,7 +35,8 @@ class Surroundings:
         self.count = 0
         """Robots that have entered."""
         self._faces: dict[int, tuple[Any, list[Any]]] = {}  # by id of the body, which it holds
-        self._add_walls(layout)
+        self._fixtures = layout.fixtures
+        self._owners = self._add_walls(layout)  # of fixtures made of walls, by their groups
         self.movables = np.array(
             [
                 self._add_body(movable.body, movable.body.fiducial or 0, movable.pose)
@@ -42,8 +44,11 @@ class Surroundings:
             ],
             np.int64,
         )
-        for landmark in layout.landmarks:
+        landmarks = [
             self._add_body(landmark.body, landmark.body.fiducial, landmark.pose)
+            for landmark in layout.landmarks
+        ]
+        self._landmarks = [next(iter(landmarks[one.landmarks]), None) for one in layout.fixtures]
         self._first = len(self.scene)  # robots' entities come one after the other
 
     def add_robot(self, name: str, model: Model, pose: Any) -> int:
@@ -72,28 +77,49 @@ class Surroundings:
             self.scene.move(self.movables, movable_poses)
         self.scene.refresh()
 
-    def _add_walls(self, layout: Layout) -> None:
-        """One entity for what stands and looks alike."""
-        scene, entities = self.scene, {}
+    def put_fixture(self, number: int, pose: tuple[float, float, float]) -> None:
+        """What stands is seen at another pose from the next refresh on."""
+        one, entity = self._fixtures[number], self._landmarks[number]
+        if entity is None:
+            entity, pose = self._owners[one.group], carried(one.start, pose)
+        self.scene.move([entity], [pose])
+
+    def _add_walls(self, layout: Layout) -> dict[int, int]:
+        """One entity for what stands and looks alike, and one for each fixture, by its group."""
+        scene, entities, owners = self.scene, {}, {}
         rounds = [
             (solid, solid.circle)
             for solid in layout.solids
             if solid.circle is not None and not solid.landmark
         ]
-        for look in dict.fromkeys([*layout.looks, *(solid.look for solid, _ in rounds)]):
-            entities[look] = scene.add_entity(
+
+        def add(look: Look) -> int:
+            return scene.add_entity(
                 color=look.color,
                 height=look.height,
                 solid=look.solid,
                 seen_by=look.seen_by,
                 bottom=look.z,
             )
+
+        for look in dict.fromkeys([*layout.looks, *(solid.look for solid, _ in rounds)]):
+            entities[look] = add(look)
+        whose = np.full(len(layout.segments), -1)
+        for one in layout.fixtures:
+            if one.landmarks.start == one.landmarks.stop:
+                owners[one.group] = add(layout.solids[one.solids][0].look)
+                whose[one.segments] = owners[one.group]
         for number, look in enumerate(layout.looks):
-            scene.add_segments(entities[look], layout.segments[layout.segment_looks == number])
+            rows = np.flatnonzero(layout.segment_looks == number)
+            ends = np.flatnonzero(np.diff(whose[rows])) + 1  # in their order, which settles draws
+            for run in np.split(rows, ends):
+                owner = int(whose[run[0]])
+                scene.add_segments(entities[look] if owner < 0 else owner, layout.segments[run])
         for solid in layout.insides:
-            scene.add_solid(entities[solid.look], solid.vertices)
+            scene.add_solid(owners.get(solid.group, entities[solid.look]), solid.vertices)
         for solid, (x, y, radius) in rounds:
-            scene.add_circle(entities[solid.look], radius, (x, y))
+            scene.add_circle(owners.get(solid.group, entities[solid.look]), radius, (x, y))
+        return owners
 
     def _add_body(self, body: Any, fiducial: int, pose: Any, color: int | None = None) -> int:
         """A body of the schema that sensors see, with a fiducial or 0; its entity.

@@ -432,17 +432,25 @@ class Simulation:
     def set_pose(self, robot: int | str, pose: ArrayLike) -> None:
         """Put a robot, at rest, to a pose (x, y, yaw) in metres and radians, at once.
 
-        Raises ValueError where it would lie outside or overlap something.
+        It may also be an obstacle, by its name, whether it can be pushed or not. Raises ValueError
+        where it would lie outside or overlap something; what stands may overlap what stands.
         """
         self._refuse_closed()
-        (index,) = self.indices(robot).tolist()
+        thing = self._engine.context.things.get(robot) if isinstance(robot, str) else None
+        (index,) = self.indices(robot).tolist() if thing is None else (thing.number,)
         at = np.asarray(pose, np.float64)
         if at.shape != (3,) or not np.isfinite(at).all():
             raise ValueError(f"set_pose: a pose is three finite numbers x, y, yaw, not {pose!r}")
         goal = (float(at[0]), float(at[1]), float(at[2]))
+        scenery = self._engine.scenery
         with self._lock:
-            if self._engine.scenery.put({index: goal}):
-                raise ValueError(f"set_pose: there is no room for {self.names[index]} at {goal}")
+            if thing is None:
+                found = not scenery.put({index: goal})
+            else:
+                found = scenery.put_thing(index, goal)
+            if not found:
+                name = robot if thing is not None else self.names[index]
+                raise ValueError(f"set_pose: there is no room for {name} at {goal}")
             self._engine.sensing.look_again()
 
     def spray(self, robot: int | str, on: bool = True, sprayer: int = 0) -> None:
@@ -485,7 +493,7 @@ class Simulation:
         from sim.video.projection import parse_size  # noqa: PLC0415
 
         pixels = None if size is None else parse_size(size)
-        picture = Picture(backdrop_of(self._loaded), pixels)
+        picture = Picture(backdrop_of(self._loaded, self._engine.scenery.stage.layout), pixels)
         for robot in self._engine.robots:
             picture.add_robot(robot.name, shape_of(robot.model.body))
         return np.ascontiguousarray(picture.draw(self.view())[:, :, ::-1])

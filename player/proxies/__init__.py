@@ -10,6 +10,7 @@ from player.proxies.graphics2d import Graphics2dProxy
 from player.proxies.gripper import GripperGeometry, GripperProxy
 from player.proxies.laser import LaserConfig, LaserProxy
 from player.proxies.position2d import Position2dProxy
+from player.proxies.power import PowerProxy
 from player.proxies.ranger import RangerConfig, RangerGeometry, RangerProxy
 from player.proxies.simulation import SimulationProxy
 from player.proxies.speech import SpeechProxy
@@ -28,6 +29,7 @@ __all__ = [
     "LaserConfig",
     "LaserProxy",
     "Position2dProxy",
+    "PowerProxy",
     "Proxy",
     "RangerConfig",
     "RangerGeometry",

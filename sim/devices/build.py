@@ -37,6 +37,7 @@ ask for an older or a newer interface."""
 OTHERS = (
     "dio",
     "gripper",
+    "power",
     "speech",
     "graphics2d",
     "simulation",

@@ -2,7 +2,8 @@
 
 Rules: reading is free at any time between two ticks. Every change goes through `Context.later`, so
 that it is made robot by robot in the engine's order, and not in that of the messages' arrival.
-What a device keeps for its own clients (how a scan is cut, what was just set) is no change.
+What a device keeps for its own clients (how a scan is cut, what was just set) is no change. What
+goes on by itself, such as a battery that runs down, does so in `Context.each_tick`.
 
 A robot's devices are made when somebody first asks for one of them, which may be never. A device
 whose data are a message of a batch may say so: `standing()` is a `rounds.Standing`, or None as long
@@ -12,7 +13,7 @@ as it encodes its own. That may change only in a request.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -20,7 +21,7 @@ import numpy as np
 
 from player import DeviceAddr
 from player.server import Connection
-from sim.devices.things import Thing
+from sim.devices.things import Charger, Thing
 from sim.robot import Robot
 from sim.scenery import Scenery
 
@@ -50,6 +51,9 @@ class Context:
     robots: list[Robot] = field(default_factory=list)
     by_name: dict[str, Robot] = field(default_factory=dict)
     things: dict[str, Thing] = field(default_factory=dict)  # obstacles, by name
+    chargers: Sequence[Charger] = ()
+    each_tick: list[Action] = field(default_factory=list)
+    # what devices do by themselves once the bodies have moved, in the order of robots
     time: float = 0.0
     paused: bool = False  # by a client
     held: bool = False  # by somebody who watches: no controller is to blame for the wait

@@ -123,7 +123,7 @@ class Simulation:
         thing = context.things.get(name)
         if thing is not None:
             put = context.thing_puts.get(self.robot.index, {}) if self.alone else {}
-            return put[name] if name in put else thing.where(stage)
+            return put[name] if name in put else stage.thing_pose(thing.number)
         target = self.target(name)
         asked = context.puts.get(self.robot.index, {}) if self.alone else {}
         x, y, yaw = map(float, asked.get(target.index, stage.poses[target.index]))
@@ -155,9 +155,8 @@ class Simulation:
             asked[target.index] = pose
             return
         assert thing is not None
-        number = thing.number
-        if number is None or not stage.fits(stage.count + number, pose, moved):
-            raise Refused  # what stands is built in: walls, for bodies and for rays
+        if not stage.fits(stage.count + thing.number, pose, moved):
+            raise Refused
         context.thing_puts.setdefault(asking.index, {})[name] = pose
 
     def get_property(self, values: Values) -> Values:

@@ -12,18 +12,22 @@ import numpy as np
 
 from sim.log.frames import ros_name
 from sim.log.moment import Event
-from sim.log.scene import body_event
+from sim.log.scene import body_event, map_event, wall_event
 
 if TYPE_CHECKING:
     from sim.build import LoadedWorld
     from sim.engine import Engine
     from sim.result import RobotRecord
     from sim.robot import Robot
+    from sim.stage.layout import Layout
+    from sim.stage.stage import Hand
 
 LEVELS = {"info": 20}
 NO_GRIP = -2
 """In the place of a holder, where nothing was gripped or let go."""
 COLOR = attrgetter("color")
+SURVEY = 1.0
+"""Simulated seconds at least between two surveys of what stands, while hands move it."""
 
 
 class News:
@@ -45,6 +49,8 @@ class News:
         self._states: list[Any] = []
         self._colors: list[int] = []
         self._drawn: dict[int, list[Any]] = {}
+        self._layout = loaded.layout  # as walls and map have told it, and when
+        self._surveyed = -SURVEY
         self._flags: Any = self
         self._known = (-1, -1)  # changes and ends that there had been when one last looked
 
@@ -59,6 +65,7 @@ class News:
             self._lines
             or len(engine.robots) != len(self.records)
             or engine.scenery.stage.hands
+            or engine.scenery.stage.layout is not self._layout
             or engine.context.changes != self._known[0]
             or engine.drivers.ends != self._known[1]
             or engine.sensing.flags is not self._flags
@@ -73,8 +80,12 @@ class News:
         if self._lines:
             lines, self._lines = self._lines, []
             events += [self.line_event(*line) for line in lines]
+        if engine.scenery.stage.layout is not self._layout:
+            self.survey(engine.scenery.stage.layout, events, last)
         if last:
             events += self.recolored(engine)
+            if hands := engine.scenery.stage.later_hands:
+                events.append(hands_event(engine.ticks + 1, engine.time, hands))
             self.reported(engine, events, engine.ticks + 1)
             if engine.ticks:
                 events.append(last_event(engine))
@@ -113,10 +124,16 @@ class News:
             events.append(body_event(self.time, bodies))
         return events
 
+    def survey(self, layout: Layout, events: list[Event], last: bool) -> None:
+        """Events of what stands, which hands have moved."""
+        if last or self.time >= self._surveyed + SURVEY:
+            self._layout, self._surveyed = layout, self.time
+            events += [wall_event(layout, self.time), map_event(layout, self.time)]
+
     def changed(self, engine: Engine, events: list[Event]) -> None:
         """Events of what else is new besides the bodies' motion."""
-        if engine.scenery.stage.hands:
-            events.append(hands_event(engine))
+        if hands := engine.scenery.stage.hands:
+            events.append(hands_event(engine.ticks, engine.time, hands))
         if engine.sensing.flags is not self._flags:
             self._flags = engine.sensing.flags
             events.append(sensed_event(engine))
@@ -234,18 +251,17 @@ def stamped(time: float) -> dict[str, Any]:
     return {"stamp": {"sec": nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}}
 
 
-def hands_event(engine: Engine) -> Event:
-    """What was done by hand before bodies moved in this tick."""
-    hands = engine.scenery.stage.hands
+def hands_event(tick: int, time: float, hands: Sequence[Hand]) -> Event:
+    """What was done by hand before bodies moved in a tick."""
     values = {
-        "tick": engine.ticks,
+        "tick": tick,
         "numbers": [hand.number for hand in hands],
-        "things": [hand.movable for hand in hands],
+        "things": [hand.thing for hand in hands],
         "settled": [hand.pose is None and hand.holder is None for hand in hands],
         "holders": [NO_GRIP if hand.holder is None else hand.holder for hand in hands],
         "poses": [value for hand in hands for value in (hand.pose or (0.0, 0.0, 0.0))],
     }
-    return Event(engine.time, "/troupe/hands", "troupe_msgs/Hands", values)
+    return Event(time, "/troupe/hands", "troupe_msgs/Hands", values)
 
 
 def last_event(engine: Engine) -> Event:

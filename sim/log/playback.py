@@ -18,7 +18,8 @@ from sim.log.source import DAMAGES
 from sim.log.states import State, States, state_of
 from sim.log.track import Paint, Track
 from sim.log.world import loaded_again, own_sensors
-from sim.showing import drawings_of, movables_of
+from sim.showing import Backdrops, drawings_of, movables_of
+from sim.stage.standing import Pose
 from sim.surroundings import Surroundings
 from sim.video.snapshot import DrawingKind
 from sim.view.figure import Figure
@@ -55,12 +56,18 @@ class Playback:
         self._state: dict[int, str] = {}
         self._figures: dict[int, list[Figure]] = {}
         self._read: list[tuple[int, int]] = []
+        self._fixtures: dict[int, Pose] = {}  # where hands have put them, by number
+        self.layout = self.loaded.layout
+        """What stands, where it stood in what was shown last."""
+        self._backdrops = Backdrops(self.loaded)
+        self._known = self.layout  # by the surroundings
         try:
             self._tracks: list[Track[Any]] = [
                 Track(self._sayings(), self._take_said, self._said.clear),
                 Track(self._drivers(), self._take_state, self._state.clear),
                 Track(self._drawn(), self._take_drawn, self._figures.clear),
                 Track(self._sensed(), self._take_sensed, lambda: self._take_sensed(())),
+                Track(self._put(), self._take_put, lambda: self._take_put(None)),
             ]
         except LogError:
             raise
@@ -112,6 +119,7 @@ class Playback:
             floor=self._paint.owner if paints else None,
             resolution=self._paint.resolution or self.loaded.world.floor.resolution,
             coverage=float(state.coverage) if paints else None,
+            backdrop=self._backdrops.of(self.layout),
         )
 
     def figures(self, count: int) -> list[list[Figure]]:
@@ -132,10 +140,15 @@ class Playback:
         count = len(state.poses)
         if count < self._surroundings.count:  # robots that have not entered are not to be seen
             self._surroundings = Surroundings(self.loaded.layout, self.seed)
+            self._known = self.loaded.layout
         around = self._surroundings
         for robot in range(around.count, count):
             around.add_robot(self.names[robot], self.models[robot], state.poses[robot])
         around.scene.colors[around.entities] = state.colors
+        if self._known is not self.layout:
+            self._known = self.layout
+            for number, fixture in enumerate(self.layout.fixtures):
+                around.put_fixture(number, fixture.pose)
         around.refresh(state.poses, state.movable_poses)
         suite = around.suite
         wanted = np.zeros(suite.slots, bool)
@@ -189,6 +202,23 @@ class Playback:
 
     def _take_drawn(self, one: tuple[int, list[Figure]]) -> None:
         self._figures[one[0]] = one[1]
+
+    def _put(self) -> Any:
+        first, count = len(self.movables), len(self.loaded.layout.fixtures)
+        for _, one in self.reader.messages("/troupe/hands"):
+            poses = one["poses"].reshape(-1, 3).tolist()
+            things = zip(one["numbers"].tolist(), one["things"].tolist(), poses, strict=True)
+            for number, thing, pose in things:
+                if thing and first <= number < first + count:
+                    yield one["tick"], (number - first, tuple(pose))
+
+    def _take_put(self, one: tuple[int, Pose] | None) -> None:
+        if one is None:
+            self._fixtures.clear()
+        else:
+            self._fixtures[one[0]] = one[1]
+        layout = self.loaded.layout
+        self.layout = layout.moved(self._fixtures) if self._fixtures else layout
 
     def _sensed(self) -> Any:
         for _, one in self.reader.messages("/troupe/sensed"):

@@ -149,7 +149,7 @@ def by_hand(stage: Stage, hands: dict[str, Any] | None) -> None:
         elif holder == -1:
             stage.let_go(number)
         elif thing:
-            stage.put_movable_down(number, pose_of(pose))
+            stage.put_thing_down(number, pose_of(pose))
         elif settles:
             stage.settle(number)
         else:

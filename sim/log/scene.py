@@ -33,7 +33,7 @@ PAINTS = 99
 """Robots that a grid of paint tells apart: its cells are from 0 to 100."""
 
 
-def wall_event(layout: Layout) -> Event:
+def wall_event(layout: Layout, time: float = 0.0) -> Event:
     """Walls and standing obstacles: one list of triangles for each look, flat if not solid."""
     alike: dict[Look, list[NDArray[np.float64]]] = {}
     for solid in layout.solids:
@@ -52,7 +52,7 @@ def wall_event(layout: Layout) -> Event:
         )
         for number, (look, points) in enumerate(alike.items())
     ]
-    return Event(0.0, "/troupe/walls", MARKERS, {"markers": markers})
+    return Event(time, "/troupe/walls", MARKERS, {"markers": markers})
 
 
 def fan(vertices: NDArray[np.float64], height: float) -> NDArray[np.float64]:
@@ -120,7 +120,7 @@ def marker(
     }
 
 
-def map_event(layout: Layout) -> Event:
+def map_event(layout: Layout, time: float = 0.0) -> Event:
     """/map: cells that stand in a wall or an obstacle are 100, free ones 0."""
     width, height = layout.size
     cell = max(GRID_CELL, math.sqrt(width * height / MOST_CELLS))
@@ -128,7 +128,7 @@ def map_event(layout: Layout) -> Event:
     x, y = (np.arange(columns) + 0.5) * cell, (np.arange(rows) + 0.5) * cell
     centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2) + layout.low
     free = replace(layout, region=None, pushed=()).inside(centres)
-    return grid_event(0.0, "/map", rows, columns, cell, layout.low, np.where(free, 0, 100))
+    return grid_event(time, "/map", rows, columns, cell, layout.low, np.where(free, 0, 100))
 
 
 def paint_event(mirror: FloorMirror, time: float) -> Event:

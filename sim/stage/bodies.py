@@ -158,8 +158,8 @@ def limit_to(shape: pymunk.Shape, levels: int) -> None:
         shape.filter = pymunk.ShapeFilter(categories=levels, mask=levels)
 
 
-def add_solids(space: pymunk.Space, solids: tuple[Solid, ...]) -> dict[int, int]:
-    """Add what stands and is solid, one static body per group; returns body id -> group."""
+def add_solids(space: pymunk.Space, solids: tuple[Solid, ...]) -> dict[int, pymunk.Body]:
+    """Add what stands and is solid, one static body per group; returns them by their groups."""
     bodies: dict[int, pymunk.Body] = {}
     for solid in solids:
         if not solid.levels:
@@ -176,4 +176,4 @@ def add_solids(space: pymunk.Space, solids: tuple[Solid, ...]) -> dict[int, int]
         shape.friction = solid.friction
         limit_to(shape, solid.levels)
         space.add(shape)
-    return {body.id: group for group, body in bodies.items()}
+    return bodies

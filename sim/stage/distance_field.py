@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,21 @@ def distance_field(layout: Layout) -> DistanceField:
         _mark(cells, cell, outline - layout.low)
     _spread(cells)
     return DistanceField(cells, (cell, *layout.low))
+
+
+def nearer(field: DistanceField, outlines: Iterable[Floats]) -> DistanceField:
+    """The field where more stands, of which the upright boxes of the outlines (k, 2) are known."""
+    cell, *low = field.frame
+    cells = field.cells.copy()
+    rows, columns = (np.arange(count) for count in cells.shape)
+    for vertices in outlines:
+        first = np.floor((vertices.min(axis=0) - low) / cell)
+        last = np.floor((vertices.max(axis=0) - low) / cell)
+        across = np.maximum(first[0] - columns, columns - last[0])
+        up = np.maximum(first[1] - rows, rows - last[1])
+        apart = np.maximum(across, up[:, None])
+        np.minimum(cells, np.clip(apart, 0, FARTHEST).astype(np.uint8), out=cells)
+    return DistanceField(cells, field.frame)
 
 
 @inlined

@@ -42,6 +42,14 @@ def placed(points: ArrayLike, pose: ArrayLike) -> Floats:
     return turned
 
 
+def carried(start: ArrayLike, pose: ArrayLike) -> tuple[float, float, float]:
+    """The pose at which a frame must be placed for what is at `start` in it to be at `pose`."""
+    (x, y, yaw), (to_x, to_y, to_yaw) = np.asarray(start, float), np.asarray(pose, float)
+    turn = float(to_yaw - yaw)
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return float(to_x - x * cosine + y * sine), float(to_y - x * sine - y * cosine), turn
+
+
 def signed_area(vertices: ArrayLike) -> float:
     """Area of a simple polygon (k, 2); positive when its vertices run counter-clockwise."""
     flat = np.asarray(vertices, dtype=np.float64)

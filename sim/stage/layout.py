@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,17 +15,16 @@ from sensors.eyes import eyes
 from sensors.noise import random_color
 from sim.stage.boundary import inner_faces, walls_outside
 from sim.stage.distance_field import DistanceField, distance_field
+from sim.stage.door_cells import door_cells
 from sim.stage.geometry import (
     Bools,
     Floats,
     counter_clockwise,
     in_convex,
-    outline,
     pieces,
     placed,
     rectangle,
 )
-from sim.stage.geometry import faces as parts_of
 from sim.stage.imagemap import read_image_map
 from sim.stage.levels import MOST_LEVELS, Levels, TooManyLevels, range_of
 from sim.stage.raster import (
@@ -35,14 +34,16 @@ from sim.stage.raster import (
     merged_outlines,
     rectangles_in_world,
 )
-from sim.stage.standing import DoorCell, Landmark, Look, Movable, Solid
+from sim.stage.standing import DoorCell, Fixture, Landmark, Look, Movable, Pose, Solid, stood
 from sim.stage.textmap import read_text_map
 from sim.worldfile.extents import low_corner
 from sim.worldfile.mistakes import Mistake, WorldError
 from sim.worldfile.values import RANDOM
 
 if TYPE_CHECKING:
-    from sim.worldfile.schema import Door, Map, World
+    from collections.abc import Mapping, Sized
+
+    from sim.worldfile.schema import Map, World
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,7 @@ class Layout:
     that can be seen, merged, for the sensors. insides: what lies behind those faces:
     the solids but for round ones, and in place of the boundary's walls the arena, clockwise: all
     that lies outside of it is wall. landmarks: what sensors see besides, each with its fiducial.
+    fixtures: those of what stands that may be put elsewhere.
     levels: at which heights bodies can touch. raster: the map's walls, if they are solid.
     grid: the text map's walls (rows, columns) bool, row 0 at the top, and `cell` its cell size
     in metres; both None for other worlds.
@@ -77,6 +79,7 @@ class Layout:
     insides: tuple[Solid, ...]
     landmarks: tuple[Landmark, ...]
     movables: tuple[Movable, ...]
+    fixtures: tuple[Fixture, ...]
     levels: Levels
     doors: tuple[DoorCell, ...]
     raster: Raster | None
@@ -87,6 +90,28 @@ class Layout:
     def distances(self) -> DistanceField:
         """How far every place is from what stands, at least; made once for all runs here."""
         return distance_field(self)
+
+    def moved(self, poses: Mapping[int, Pose]) -> Layout:
+        """The same with fixtures, by their numbers, at other poses."""
+        solids, insides, obstacles = list(self.solids), list(self.insides), list(self.obstacles)
+        landmarks, fixtures = list(self.landmarks), list(self.fixtures)
+        segments = self.segments.copy()
+        for number, pose in poses.items():
+            one = fixtures[number]
+            made = stood(one.body, pose, one.group, self.levels.of(one.body))
+            solids[one.solids], insides[one.insides] = made.solids, made.insides
+            obstacles[one.obstacles] = made.obstacles
+            landmarks[one.landmarks], segments[one.segments] = made.landmarks, made.segments
+            fixtures[number] = replace(one, pose=pose)
+        return replace(
+            self,
+            solids=tuple(solids),
+            obstacles=tuple(obstacles),
+            segments=segments,
+            insides=tuple(insides),
+            landmarks=tuple(landmarks),
+            fixtures=tuple(fixtures),
+        )
 
     def inside(self, points: ArrayLike) -> Bools:
         """For points (n, 2), whether each is in the region and in no wall or obstacle; (n,).
@@ -115,6 +140,9 @@ class _Faces:
         self.numbers: dict[Look, int] = {}
         self.looks: list[int] = []
 
+    def __len__(self) -> int:
+        return len(self.looks)
+
     def add(self, segments: Floats, look: Look) -> None:
         self.segments.append(segments)
         self.looks += [self.numbers.setdefault(look, len(self.numbers))] * len(segments)
@@ -126,7 +154,7 @@ def build_layout(world: World, folder: Path) -> Layout:
     Raises WorldError: a map that is missing, unreadable or does not fit, no size, a door that
     has no place.
     """
-    raster, door_cells, is_text = _read_map(world.map, folder)
+    raster, lettered, is_text = _read_map(world.map, folder)
     levels = _levels(world)
     size = _size(world, raster, is_text)
     low = low_corner(world.origin, size)
@@ -168,6 +196,7 @@ def build_layout(world: World, folder: Path) -> Layout:
         group += 1
         faces.add(outlines, look)
     movables: list[Movable] = []
+    fixtures: list[Fixture] = []
     landmarks: list[Landmark] = []
     obstacles: list[Floats] = []
     pushed: list[Floats] = []
@@ -178,30 +207,32 @@ def build_layout(world: World, folder: Path) -> Layout:
             entry = told.model_copy(update={"color": drawn_color})
         x, y, degrees = entry.pose
         pose = (x, y, math.radians(degrees))
-        if entry.solid and entry.z == 0.0:
-            taken = pushed if entry.movable else obstacles
-            taken += [placed(vertices, pose) for vertices, _ in pieces(entry)]
         if entry.movable:
+            if entry.solid and entry.z == 0.0:
+                pushed += [placed(vertices, pose) for vertices, _ in pieces(entry)]
             movables.append(
                 Movable(entry, pose, entry.color, entry.height, entry.mass, entry.friction)
             )
             continue
-        look = Look(entry.color, entry.height, entry.z, eyes(entry.seen_by), entry.solid)
-        alone = entry.fiducial is not None
-        if alone:
-            landmarks.append(Landmark(entry, pose))
-        for vertices, circle in pieces(entry):
-            around = None if circle is None else _moved(circle, pose)
-            solid = Solid(
-                placed(vertices, pose), look, entry.friction, group, around, levels.of(entry), alone
-            )
-            solids.append(solid)
-            if entry.solid and circle is None and not alone:
-                insides.append(solid)
-        for vertices, circle in parts_of(entry) if not alone else ():
-            if circle is None:
-                start = placed(vertices, pose)
-                faces.add(np.concatenate([start, np.roll(start, -1, axis=0)], axis=1), look)
+        made = stood(entry, pose, group, levels.of(entry))
+        whole: tuple[Sized, ...] = (solids, insides, obstacles, faces, landmarks)
+        begins = [len(one) for one in whole]
+        solids += made.solids
+        insides += made.insides
+        obstacles += made.obstacles
+        landmarks += made.landmarks
+        if len(made.segments):
+            faces.add(made.segments, made.solids[0].look)
+        if entry.name is not None:
+            own = (slice(at, len(one)) for at, one in zip(begins, whole, strict=True))
+            first, inside, outline, segment, landmark = own
+            fixtures.append(
+                Fixture(
+                    entry.name, entry, group, pose, pose,
+                    solids=first, insides=inside, obstacles=outline, segments=segment,
+                    landmarks=landmark,
+                )
+            )  # fmt: skip
         group += 1
     return Layout(
         size=size,
@@ -217,8 +248,9 @@ def build_layout(world: World, folder: Path) -> Layout:
         insides=tuple(insides),
         landmarks=tuple(landmarks),
         movables=tuple(movables),
+        fixtures=tuple(fixtures),
         levels=levels,
-        doors=_doors(world, raster, door_cells, is_text),
+        doors=door_cells(world, raster, lettered, is_text),
         raster=raster if world.map is None or world.map.solid else None,
         grid=raster.walls if raster is not None and is_text else None,
         cell=raster.cell if raster is not None and is_text else None,
@@ -228,14 +260,6 @@ def build_layout(world: World, folder: Path) -> Layout:
 def _rectangle(low: tuple[float, float], size: tuple[float, float]) -> Floats:
     """An upright rectangle (4, 2) from its lower left corner and its size."""
     return rectangle(low[0], low[1], low[0] + size[0], low[1] + size[1])
-
-
-def _moved(
-    circle: tuple[float, float, float], pose: tuple[float, float, float]
-) -> tuple[float, float, float]:
-    """A circle (x, y, radius) of a body's frame in the world, for a body at a pose."""
-    ((x, y),) = placed([circle[:2]], pose)
-    return float(x), float(y), circle[2]
 
 
 def _levels(world: World) -> Levels:
@@ -284,48 +308,3 @@ def _size(world: World, raster: Raster | None, is_text: bool) -> tuple[float, fl
         allowed = f"{width:g} x {height:g} m, as the map is"
         raise WorldError([Mistake(("size",), "the size does not fit the map", given, allowed)])
     return (width, height) if is_text else world.size
-
-
-def _doors(
-    world: World, raster: Raster | None, cells: tuple[tuple[int, int], ...], is_text: bool
-) -> tuple[DoorCell, ...]:
-    """The doors with their places; those `at: S` take the map's S in reading order."""
-    doors: list[DoorCell] = []
-    mistakes: list[Mistake] = []
-    waiting = iter(cells)
-    lettered = sum(isinstance(door.at, str) for door in world.doors)
-    if lettered and lettered != len(cells):
-        index = next(i for i, door in enumerate(world.doors) if isinstance(door.at, str))
-        what = "each door `at: S` needs an S of its own in the text map, and each S a door"
-        given = f"{lettered} door(s), {len(cells)} S in the map"
-        raise WorldError([Mistake(("doors", index, "at"), what, given)])
-    for index, door in enumerate(world.doors):
-        where = ("doors", index, "at")
-        if isinstance(door.at, str):
-            column, row = next(waiting)
-        elif is_text and raster is not None:
-            column, row = raster.at(*door.at)
-            rows, columns = raster.walls.shape
-            if not (0 <= column < columns and 0 <= row < rows) or raster.walls[row, column]:
-                given = f"[{door.at[0]:g}, {door.at[1]:g}]"
-                mistakes.append(Mistake(where, "the door is in a wall or off the map", given))
-                continue
-        if is_text and raster is not None:
-            doors.append(_door(door, raster.centre(column, row), (raster.cell, raster.cell)))
-        elif not isinstance(door.at, str) and door.model in world.models:
-            doors.append(_door(door, door.at, _room(world.models[door.model].body, door.heading)))
-    if mistakes:
-        raise WorldError(mistakes)
-    return tuple(doors)
-
-
-def _room(body: Any, heading: float) -> tuple[float, float]:
-    """Width and depth of the upright rectangle about the origin that a body takes at a heading."""
-    vertices = placed(outline(body), (0.0, 0.0, math.radians(heading)))
-    width, depth = 2 * np.abs(vertices).max(axis=0)
-    return float(width), float(depth)
-
-
-def _door(door: Door, centre: tuple[float, float], size: tuple[float, float]) -> DoorCell:
-    heading = math.radians(door.heading)
-    return DoorCell(door.name, centre, size, heading, door.period, door.model, door.controller)

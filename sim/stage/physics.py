@@ -153,14 +153,21 @@ class Physics:
         if body.space is not None:
             self._space.reindex_shapes_for_body(body)
 
+    def stand(self, group: int, frame: tuple[float, float, float]) -> None:
+        """Move a group of what stands with its frame, which is at (0, 0, 0) at the start."""
+        body = self._standing.get(group)  # what is not solid has none
+        if body is not None:
+            body.position, body.angle = (frame[0], frame[1]), frame[2]
+            self._space.reindex_shapes_for_body(body)
+
     def names(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Ids (b,) of the bodies that can be touched, ascending, and which thing each is.
 
         Things as `contacts.Touches` numbers them: movers, and what stands by negative numbers.
         """
         own = np.array([body.id for body in self._bodies], dtype=np.int64)
-        standing = np.array(list(self._standing), dtype=np.int64)
-        groups = np.array(list(self._standing.values()), dtype=np.int64)
+        standing = np.array([body.id for body in self._standing.values()], dtype=np.int64)
+        groups = np.array(list(self._standing), dtype=np.int64)
         ids = np.concatenate([own, standing])
         things = np.concatenate([np.arange(len(own)), -1 - groups])
         rank = np.argsort(ids)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sensors.eyes import EYES, eyes
 from sim.stage import commands
 from sim.stage.contacts import Touches
+from sim.stage.fixtures import Fixtures
 from sim.stage.geometry import Bools, Floats, wrapped
 from sim.stage.layout import Layout
 from sim.stage.may_touch import CALM
@@ -38,9 +38,9 @@ class Hand(NamedTuple):
     movable obstacle is gripped or let go."""
 
     number: int
-    """A robot, or a movable obstacle in the layout's order."""
+    """A robot, or a thing: a movable obstacle in the layout's order, after them its fixtures."""
     pose: tuple[float, float, float] | None
-    movable: bool = False
+    thing: bool = False
     holder: int | None = None
     """The robot that holds the obstacle from now on, -1: nobody; None: that is as it was."""
 
@@ -54,12 +54,11 @@ class Stage:
     """
 
     def __init__(self, layout: Layout, models: Mapping[str, Model], clock: Clock) -> None:
-        self.layout = layout
         self.models = models
         self._interval = clock.interval
         self._steps = max(1, round(clock.interval / clock.physics_step))
         self._physics = Physics(layout)
-        self._distance_field = layout.distances
+        self._fixtures = Fixtures(layout, self._physics)
         self._movables = len(layout.movables)
         self._touches = Touches(self._movables)
         self._count = 0
@@ -85,7 +84,8 @@ class Stage:
         """How many commands there have been, motors switched and robots come included."""
         self.hands: list[Hand] = []
         """What no wheel did between the latest tick and the one before, in its order."""
-        self._hands: list[Hand] = []  # since then
+        self.later_hands: list[Hand] = []
+        """What none has done since the latest tick."""
         self.holders: dict[int, int] = {}
         """The robot that holds a movable obstacle, by the obstacle's number."""
 
@@ -119,7 +119,7 @@ class Stage:
             return
         self._physics.settle(self._movables + robot, record)
         record["standing"], record["driven"] = True, False
-        self._hands.append(Hand(robot, None))
+        self.later_hands.append(Hand(robot, None))
         self._rest(record)
         self._velocities[robot] = 0.0
         self._stalls[robot] = False
@@ -140,7 +140,7 @@ class Stage:
         self._movers["gripped"][ones] = True
         self._physics.hold(*ones)
         self.holders[number] = robot
-        self._hands.append(Hand(number, None, movable=True, holder=robot))
+        self.later_hands.append(Hand(number, None, thing=True, holder=robot))
 
     def let_go(self, number: int) -> None:
         """Let whoever holds a movable obstacle let it go. Raises KeyError where nobody does."""
@@ -148,7 +148,7 @@ class Stage:
         self._physics.let_go(number)
         self._movers["gripped"][number] = False
         self._movers["gripped"][self._movables + holder] = holder in self.holders.values()
-        self._hands.append(Hand(number, None, movable=True, holder=-1))
+        self.later_hands.append(Hand(number, None, thing=True, holder=-1))
 
     def set_pose(self, robot: int, pose: ArrayLike) -> None:
         """Lift a robot and put it down, at rest, at a pose (x, y, yaw); its commands stay.
@@ -174,30 +174,32 @@ class Stage:
             self.put_down(robot, at)
         return [robot for robot in goals if robot not in found]
 
-    def put_movable(self, number: int, pose: ArrayLike) -> bool:
-        """Lift a movable obstacle and put it down, at rest; False where there is no room for it.
+    def put_thing(self, number: int, pose: ArrayLike) -> bool:
+        """Lift a thing and put it down, at rest; False where there is no room for it.
 
-        Who holds it lets go.
+        Things are the movable obstacles, and after them the layout's fixtures. Who holds one
+        lets go.
         """
-        if not 0 <= number < self._movables:
+        goal = pose_of(pose)
+        things = self._movables + len(self.layout.fixtures)
+        if not (0 <= number < things and self.fits(self._count + number, goal)):
             return False
-        goal, (bodies, poses) = pose_of(pose), self._moving()
-        index = self._count + number  # robots come first there
-        if not self._places.fitting({index: goal}, bodies, poses):
-            return False
-        self.put_movable_down(number, goal)
+        self.put_thing_down(number, goal)
         return True
 
-    def put_movable_down(self, number: int, at: tuple[float, float, float]) -> None:
-        """Put a movable obstacle down, at rest, where there is known to be room for it."""
+    def put_thing_down(self, number: int, at: tuple[float, float, float]) -> None:
+        """Put a thing down, at rest, where there is known to be room for it."""
         if number in self.holders:
             self.let_go(number)
-        self._hands.append(Hand(number, at, movable=True))
+        self.later_hands.append(Hand(number, at, thing=True))
+        self._changed = True
+        if number >= self._movables:
+            self._fixtures.put(number - self._movables, at)
+            return
         self._physics.put(number, at)
         record = self._movers[number]
         record["x"], record["y"] = at[0], at[1]
         self._rest(record)
-        self._changed = True
 
     def command_of(self, robot: int) -> tuple[str, tuple[float, ...]]:
         """What a robot was commanded last.
@@ -214,17 +216,22 @@ class Stage:
         record = self._record(robot)
         for number in [one for one, holder in self.holders.items() if holder == robot]:
             self.let_go(number)
-        self._hands.append(Hand(robot, at))
+        self.later_hands.append(Hand(robot, at))
         self._physics.put(self._movables + robot, at)
         record["x"], record["y"] = at[0], at[1]
         self._rest(record)
         self._show(robot, at)
 
     def fits(self, robot: int, pose: ArrayLike, moved: Mapping[int, ArrayLike] = {}) -> bool:
-        """Whether a robot could be put at a pose, once the robots `moved` are at theirs."""
+        """Whether a robot could be put at a pose, once the robots `moved` are at theirs.
+
+        Things come after the robots.
+        """
         bodies, poses = self._moving()
         for other, at in moved.items():
             poses[other] = pose_of(at)
+        if robot >= len(bodies):
+            return self._fixtures.fits(robot - len(bodies), pose_of(pose), bodies, poses)
         others = np.arange(len(bodies)) != robot
         rest = [body for body, other in zip(bodies, others, strict=True) if other]
         return self._places.free(bodies[robot], pose_of(pose), rest, poses[others])
@@ -235,9 +242,14 @@ class Stage:
         bodies += [movable.body for movable in self.layout.movables]
         return bodies, np.concatenate([self.poses, self.movable_poses])
 
-    @cached_property
+    @property
+    def layout(self) -> Layout:
+        """All that stands, where it stands now."""
+        return self._fixtures.layout
+
+    @property
     def _places(self) -> Places:
-        return Places(self.layout)
+        return self._fixtures.places
 
     def _rest(self, record: Any) -> None:
         record["wanted_x"], record["wanted_y"], record["wanted_turn"] = 0.0, 0.0, 0.0
@@ -317,8 +329,8 @@ class Stage:
         A command takes effect one step of physics after the tick's beginning: Chipmunk moves
         bodies with the velocities that it found in the step before.
         """
-        if self._hands or self.hands:
-            self.hands, self._hands = self._hands, []
+        if self.later_hands or self.hands:
+            self.hands, self.later_hands = self.later_hands, []
         if self._changed:
             self._prepare()
         numbers = self._movables + traced if len(traced) else NOBODY
@@ -346,7 +358,11 @@ class Stage:
 
     def _prepare(self) -> None:
         """After a change: gather what the physics of a tick is given, and look where bodies are."""
-        count, physics, field = self._movables + self._count, self._physics, self._distance_field
+        count, physics, field = (
+            self._movables + self._count,
+            self._physics,
+            self._fixtures.distances,
+        )
         movers, state = self._movers[:count], self._state[:count]
         if self._known != count:  # who came is named once
             self._known = count
@@ -466,6 +482,13 @@ class Stage:
         found = np.zeros(self._count, dtype=np.bool_)
         found[self._touches.pairs[0]] = True
         return found
+
+    def thing_pose(self, number: int) -> tuple[float, float, float]:
+        """Where a thing is."""
+        if number >= self._movables:
+            return self.layout.fixtures[number - self._movables].pose
+        x, y, yaw = self.movable_poses[number].tolist()
+        return x, y, yaw
 
     @property
     def movable_poses(self) -> Floats:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from sensors.eyes import EVERY_EYE
-from sim.stage.geometry import Floats, rectangle
+import numpy as np
+
+from sensors.eyes import EVERY_EYE, eyes
+from sim.stage.geometry import Floats, pieces, placed, rectangle
+from sim.stage.geometry import faces as parts_of
 from sim.stage.levels import EVERY_LEVEL
+
+Pose = tuple[float, float, float]
+"""x, y, yaw in the world: metres and radians."""
 
 
 class Look(NamedTuple):
@@ -63,6 +69,65 @@ class Landmark:
 
     body: Any
     pose: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Stood:
+    """What an obstacle that stands is made of where it stands; see `Layout` for each."""
+
+    solids: list[Solid]
+    insides: list[Solid]
+    obstacles: list[Floats]
+    segments: Floats
+    landmarks: list[Landmark]
+
+
+@dataclass(frozen=True)
+class Fixture:
+    """An obstacle that stands and has a name: nothing pushes it, but hands may put it elsewhere.
+
+    body: of the schema. group: its solids'. start: where it stands in the world file, and pose:
+    here. The slices say which parts of a layout are its own.
+    """
+
+    name: str
+    body: Any
+    group: int
+    start: Pose
+    pose: Pose
+    solids: slice
+    insides: slice
+    obstacles: slice
+    segments: slice
+    landmarks: slice
+
+
+def stood(entry: Any, pose: Pose, group: int, levels: int) -> Stood:
+    """What an obstacle of the schema is made of at a pose. levels: at which it stops others."""
+    look = Look(entry.color, entry.height, entry.z, eyes(entry.seen_by), entry.solid)
+    alone = entry.fiducial is not None
+    made = Stood([], [], [], np.zeros((0, 4)), [Landmark(entry, pose)] if alone else [])
+    for vertices, circle in pieces(entry):
+        at = placed(vertices, pose)
+        around = None if circle is None else _moved(circle, pose)
+        solid = Solid(at, look, entry.friction, group, around, levels, alone)
+        made.solids.append(solid)
+        if entry.solid and entry.z == 0.0:
+            made.obstacles.append(at)
+        if entry.solid and circle is None and not alone:
+            made.insides.append(solid)
+    sides = [made.segments]
+    for vertices, circle in parts_of(entry) if not alone else ():
+        if circle is None:
+            begin = placed(vertices, pose)
+            sides.append(np.concatenate([begin, np.roll(begin, -1, axis=0)], axis=1))
+    return replace(made, segments=np.concatenate(sides))
+
+
+def _moved(circle: tuple[float, float, float], pose: Pose) -> tuple[float, float, float]:
+    """A circle (x, y, radius) of a body's frame in the world, for a body at a pose."""
+    ((x, y),) = placed([circle[:2]], pose)
+    return float(x), float(y), circle[2]
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ class Composer:
         axes: bool = False,
     ) -> None:
         """`size` in pixels, None: the world's aspect; what is said shows `speech_time` s."""
-        self.backdrop = backdrop
+        self.backdrop = self._begun = backdrop
         self.size = default_size(backdrop.size) if size is None else check_size(size)
         self.axes = axes
         outlines = [vertices for vertices, _ in backdrop.solids]
@@ -92,6 +92,7 @@ class Composer:
                 f"{count} robots, but {len(settled)} of them told to be settled or not"
             )
         self.mark(snapshot.time, poses)
+        self.backdrop = snapshot.backdrop or self._begun
         robots = self.bodies.place(poses)
         movables, movable_colors = self._place_movables(snapshot)
         return Composition(

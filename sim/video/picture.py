@@ -54,12 +54,17 @@ class Picture:
             lettering,
             film_speed,
         )
+        self._stand(backdrop)
+        self._scratch = np.zeros_like(self._paint.image)
+
+    def _stand(self, backdrop: Backdrop) -> None:
+        """Draw what stands, and all paint anew."""
+        self._backdrop, p, axes = backdrop, self.projection, self.composer.axes
         ground = draw_ground(backdrop, p, outside=PAPER if axes else OUTSIDE)
         if axes:
-            draw_axes(ground[: p.field_height], backdrop.size, p, lettering)
+            draw_axes(ground[: p.field_height], backdrop.size, p, self.composer.lettering)
         self.status.draw_still(ground[p.field_height :])
         self._paint = PaintLayer(ground, solid_pixels(backdrop, p), p)
-        self._scratch = np.zeros_like(ground)
 
     def add_robot(self, name: str, shape: Shape) -> int:
         """Adds a robot by its outline (k, 2) m in its own frame, or its radius; its index."""
@@ -68,6 +73,8 @@ class Picture:
     def draw(self, snapshot: Snapshot, out: NDArray[np.uint8] | None = None) -> NDArray[np.uint8]:
         """The frame of a snapshot as (height, width, 3) BGR, in `out` where one is given."""
         composed = self.composer.compose(snapshot)
+        if self.composer.backdrop is not self._backdrop:
+            self._stand(self.composer.backdrop)
         image = np.empty_like(self._paint.image) if out is None else out
         if snapshot.floor is not None:
             self._paint.update(snapshot.floor, snapshot.resolution)

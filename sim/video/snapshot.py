@@ -63,7 +63,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Backdrop:
-    """All that never moves. The origin is the lower-left corner of `size`."""
+    """All that does not move by itself. The origin is the lower-left corner of `size`."""
 
     size: tuple[float, float]
     """Width and height of the world in metres."""
@@ -113,3 +113,5 @@ class Snapshot:
     movable_poses: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     """(m, 3) x, y, yaw of `movables`."""
     drawings: Sequence[Drawing] = ()
+    backdrop: Backdrop | None = None
+    """What stands, where hands have moved something; None: as at the start."""

@@ -9,7 +9,8 @@ of four. Poses and things are always there; any other section is left out as lon
 as in the last message to the same viewer, or, at first, as nothing.
 
      1  about      JSON: title, size [m, m], low [m, m] (the lower left corner), models, things, ...
-     2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners
+     2  solids     u32 count; u32 corners (count); u32 0xRRGGBB (count); f32 x, y of all corners;
+                   in a moment too, where a hand has moved some
      3  poses      f32 x, y, yaw (robots)
      4  colors     u32 0xRRGGBB (robots)
      5  states     u8 bits (robots): 1 settled, 2 stalled, 4 touching, 8 waited for
@@ -39,13 +40,25 @@ import json
 import struct
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.strictjson import plain
-from sim.view.moment import Cones, Fan, Line, Marks, Moment, Robot, Scene, Sight, Switches
+from sim.view.moment import (
+    Cones,
+    Fan,
+    Line,
+    Marks,
+    Moment,
+    Robot,
+    Scene,
+    Sight,
+    Solid,
+    Switches,
+)
 
 MAGIC = 0x31505254
 SCENE, MOMENT = 1, 2
@@ -59,11 +72,7 @@ PAINT, ROBOTS, SAID, DRAWN, STATUS, CARDS, WAYS = 12, 13, 14, 15, 16, 17, 18
 
 def encode_scene(scene: Scene) -> bytes:
     """The first message of a run to a viewer."""
-    corners = np.array([len(vertices) for vertices, _ in scene.solids], "<u4")
-    colors = np.array([color for _, color in scene.solids], "<u4")
-    everything = [np.asarray(vertices, "<f4").tobytes() for vertices, _ in scene.solids]
-    solids = struct.pack("<I", len(corners)) + corners.tobytes() + colors.tobytes()
-    sections = [(ABOUT, _json(scene.about)), (SOLIDS, solids + b"".join(everything))]
+    sections = [(ABOUT, _json(scene.about)), (SOLIDS, _solids(scene.solids))]
     return _message(SCENE, 0.0, 0, 0, sections)
 
 
@@ -88,6 +97,12 @@ class Frame:
         }
         """Sent where they differ from those before."""
 
+    @cached_property
+    def solids(self) -> bytes:
+        """What stands now."""
+        backdrop = self.moment.backdrop
+        return b"" if backdrop is None else _solids([*backdrop.marks, *backdrop.solids])
+
 
 AT_FIRST = {DRAWN: b"[]"}
 """What a page takes for said before anything was; of all other sections: nothing."""
@@ -103,6 +118,8 @@ def encode_moment(frame: Frame, before: Frame | None = None, cards: Collection[i
     if known < count:
         new = [list(robot) for robot in moment.robots[known:]]
         sections.append((ROBOTS, _json({"from": known, "robots": new})))
+    if moment.backdrop is not None and moment.backdrop is not (old.backdrop if old else None):
+        sections.append((SOLIDS, frame.solids))
     painted = old.paint if old else None
     if moment.paint is not None and moment.paint is not painted:
         sections.append((PAINT, paint_runs(painted, moment.paint)))
@@ -141,6 +158,14 @@ def paint_runs(before: NDArray[np.int16] | None, now: NDArray[np.int16]) -> byte
     lengths = np.diff(np.append(first, len(changed)))
     parts = (changed[first], lengths, owners[first])
     return struct.pack("<I", len(first)) + b"".join(part.astype("<u4").tobytes() for part in parts)
+
+
+def _solids(solids: Sequence[Solid]) -> bytes:
+    corners = np.array([len(vertices) for vertices, _ in solids], "<u4")
+    colors = np.array([color for _, color in solids], "<u4")
+    everything = [np.asarray(vertices, "<f4").tobytes() for vertices, _ in solids]
+    head = struct.pack("<I", len(corners))
+    return b"".join([head, corners.tobytes(), colors.tobytes(), *everything])
 
 
 def _fan(fan: Fan) -> bytes:

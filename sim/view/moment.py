@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.video.snapshot import Backdrop
+
 SETTLED, STALLED, TOUCHING, AWAITED = 1, 2, 4, 8
 """Bits of a robot's state: nobody drives it any more; it is kept from what it wants to do; it
 touches something; the world has been waiting for its controller for a while."""
@@ -16,6 +18,8 @@ touches something; the world has been waiting for its controller for a while."""
 Pose = tuple[float, float, float]
 """x, y, yaw in the world: metres and radians."""
 Floats = NDArray[np.float32]
+Solid = tuple[NDArray[np.float64], int]
+"""Vertices (k, 2) in the world and 0xRRGGBB."""
 
 
 class Fan(NamedTuple):
@@ -83,11 +87,11 @@ class Robot(NamedTuple):
 
 @dataclass(frozen=True)
 class Scene:
-    """All that does not change in a run. `about` is what JSON can hold (see `frames`)."""
+    """All that does not move by itself in a run. `about` is what JSON can hold (see `frames`)."""
 
     about: Mapping[str, Any]
-    solids: Sequence[tuple[NDArray[np.float64], int]] = ()
-    """Vertices (k, 2) in the world and 0xRRGGBB: walls, map blocks, standing obstacles."""
+    solids: Sequence[Solid] = ()
+    """Walls, map blocks, standing obstacles."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,7 @@ class Moment:
     robots: Sequence[Robot] = ()
     """(n,)"""
     things: Floats = field(default_factory=lambda: np.empty((0, 3), np.float32))
-    """(m, 3) x, y, yaw of what can be pushed."""
+    """(m, 3) x, y, yaw of what can be pushed, and then of what stands and may be put elsewhere."""
     fans: Sequence[Fan] = ()
     cones: Sequence[Cones] = ()
     sights: Sequence[Sight] = ()
@@ -126,3 +130,5 @@ class Moment:
     """How often time has jumped, in a log that is played."""
     ways: Floats | None = None
     """(k, n, 3) where robots had been on the way to where time jumped to; NaN: not there yet."""
+    backdrop: Backdrop | None = None
+    """What stands, where hands have moved something; None: as in the scene."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensors.readings import Blobs, Scans
-from sim.video.snapshot import MOST_SCANS, Drawing, Scan, Shape, Sighting, Snapshot
+from sim.video.snapshot import MOST_SCANS, Backdrop, Drawing, Scan, Shape, Sighting, Snapshot
 
 if TYPE_CHECKING:
     from sensors.suite import Group
@@ -54,6 +54,8 @@ class Present:
     """Metres of a cell of the floor."""
     coverage: float | None
     """The painted share of the floor; None where nothing is painted."""
+    backdrop: Backdrop | None
+    """What stands, where hands have moved something; None: as at the start."""
 
     def snapshot(self) -> Snapshot:
         """What a picture or a video shows of it."""
@@ -72,6 +74,7 @@ class Present:
             movables=self.movables,
             movable_poses=self.movable_poses,
             drawings=self.drawings,
+            backdrop=self.backdrop,
         )
 
     def scans(self) -> list[Scan]:

@@ -87,6 +87,33 @@ class Gripper(Part):
     )
 
 
+class Battery(Part):
+    """What a robot draws on; Player's power."""
+
+    capacity: Positive = Field(description="J that it holds")
+    charge: NonNegative | None = Field(
+        default=None, description="J that are in it at the start; null: as many as it holds"
+    )
+    idle: NonNegative = Field(default=0.0, description="W that are always drawn")
+    driving: NonNegative = Field(default=0.0, description="W more at 1 m/s, in proportion to it")
+    turning: NonNegative = Field(default=0.0, description="W more at 1 rad/s, in proportion to it")
+    intake: NonNegative | None = Field(
+        default=None, description="W at most that it takes from a charger; null: all that it gives"
+    )
+
+    @model_validator(mode="after")
+    def _holds_its_charge(self) -> Self:
+        if self.charge is not None and self.charge > self.capacity:
+            raise wrong(
+                "a battery holds no more than its capacity",
+                given=f"{self.charge:g}",
+                allowed=f"{self.capacity:g} at most",
+                at=("charge",),
+                uses=("capacity",),
+            )
+        return self
+
+
 Actuator = Annotated[Sprayer | Gripper, Field(discriminator="type")]
 
 
@@ -122,6 +149,7 @@ class Model(Part):
     actuators: tuple[Actuator, ...] = Field(
         default=(), description="order gives the index of their dio, or gripper"
     )
+    battery: Battery | None = Field(default=None, description="null: it needs none")
 
     @model_validator(mode="after")
     def _noise_needs_odometry(self) -> Self:

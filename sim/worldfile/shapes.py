@@ -227,6 +227,9 @@ class Standing(Thing):
     fiducial: Annotated[int, Field(ge=1, le=2**31 - 1)] | None = Field(
         default=None, description="an id that fiducial finders see"
     )
+    charger: Positive | None = Field(
+        default=None, description="W that it gives to the battery of each robot that touches it"
+    )
 
 
 class BoxObstacle(Box, Standing):

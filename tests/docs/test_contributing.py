@@ -92,16 +92,16 @@ from player import AioProxy, PlayerClient, Position2dProxy, SimulationProxy
 
 with PlayerClient() as robot:
     base, simulation = Position2dProxy(robot), SimulationProxy(robot)
-    compass, battery = AioProxy(robot, 0), AioProxy(robot, 1)
+    compass, meter = AioProxy(robot, 0), AioProxy(robot, 1)
     while robot.read() and robot.time < 2.0:
         base.set_speed(1.0)
     simulation.report("heading", float(compass.values[0]))
-    simulation.report("charge", float(battery.values[0]))
+    simulation.report("way", float(meter.values[0]))
     base.set_speed(0.0)
-    battery.set_output(0, 1.0)
+    meter.set_output(0, 0.0)
     for _ in range(3):
         robot.read()
-    simulation.report("charged", float(battery.values[0]))
+    simulation.report("set back", float(meter.values[0]))
 """
 
 
@@ -131,8 +131,9 @@ def test_a_new_sensor_is_listed_and_read_by_a_controller(
 
 def test_a_new_device_is_served_and_obeys(robots: dict[str, Any]) -> None:
     told = robots["one"]["properties"]
-    assert told["charge"] == pytest.approx(1.0 - robots["one"]["distance"] / 50.0, abs=0.005)
-    assert 0.9 < told["charge"] < 0.99 < told["charged"]
+    assert told["way"] == pytest.approx(robots["one"]["distance"], abs=0.25)
+    assert told["way"] > 1.0
+    assert 0.0 <= told["set back"] < 0.25
 
 
 def test_a_new_rule_fills_a_grid(contributed: Path) -> None:

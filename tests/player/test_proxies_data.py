@@ -21,6 +21,7 @@ from player import (
     NoReading,
     PlayerClient,
     Position2dProxy,
+    PowerProxy,
     RangerProxy,
     Size,
     XdrError,
@@ -215,6 +216,14 @@ def test_captured_data_is_read_as_the_table_reads_it(proxy_class):
         assert [tuple(blob) for blob in values["blobs"].tolist()] == proxy.blobs
 
 
+def test_a_battery_tells_what_is_left_and_what_it_takes():
+    state = {"percent": 25.0, "joules": 50.0, "watts": -7.5, "charging": 1}
+    proxy = see(PowerProxy, (1, {"valid": 30, "volts": 0.0, **state}))
+    assert (proxy.known, proxy.percent, proxy.joules, proxy.watts, proxy.charging) == (
+        30, 25.0, 50.0, -7.5, 1,
+    )  # fmt: skip
+
+
 def test_plain_numbers_are_numpy():
     proxy = see(AioProxy, (1, {"voltages": [0.5, -2.0]}))
     assert proxy.values.dtype == np.float64
@@ -235,6 +244,7 @@ READINGS = [
     (BumperProxy, ["bumped", "any_bumped"]),
     (DioProxy, ["bits", "count"]),
     (AioProxy, ["values", "voltages", "count"]),
+    (PowerProxy, ["known", "volts", "percent", "joules", "watts", "charging"]),
 ]  # fmt: skip
 
 

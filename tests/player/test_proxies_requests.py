@@ -18,6 +18,7 @@ from player import (
     Graphics2dProxy,
     LaserProxy,
     Position2dProxy,
+    PowerProxy,
     RangerProxy,
     SimulationProxy,
     SpeechProxy,
@@ -98,6 +99,14 @@ REQUESTS = [
     (Position2dProxy, lambda p: p.set_position_mode(1), 4, {"state": 1}, {}, None),
     (Position2dProxy, lambda p: p.set_odometry(1, 2, 3), 5, {"pose": (1, 2, 3)}, {}, None),
     (Position2dProxy, lambda p: p.reset_odometry(), 6, {}, {}, None),
+    (
+        PowerProxy,
+        lambda p: p.set_charging_policy(True, False),
+        1,
+        {"enable_input": 1, "enable_output": 0},
+        {},
+        None,
+    ),
     (LaserProxy, lambda p: p.request_geometry(), 1, {}, GEOMETRY, (POSE, (0.6, 0.4, 0.2))),
     (
         LaserProxy,

@@ -91,10 +91,24 @@ def test_what_can_be_pushed_is_put_where_there_is_room_at_the_next_tick(run: Ser
         assert where(client, "puck") == pytest.approx((10, 10, 0), abs=1e-6)
 
 
-def test_what_stands_stays(run: Serving) -> None:
+def test_what_stands_is_put_elsewhere_too_and_back_at_a_reset(run: Serving) -> None:
     with pulling(run.port("one")) as client:
-        assert put(client, "shelf", 4, 4) == NACK
+        for x, y in ((10, 10), (6, 6), (25, 5), (math.nan, 1)):
+            assert put(client, "shelf", x, y) == NACK  # robots, pucks, the outside
+        assert put(client, "shelf", 2, 2.2) == ACK  # what stands may overlap
+        assert put(client, "shelf", 4, 4, 0.5) == ACK
+        assert where(client, "shelf") == pytest.approx((4, 4, 0.5))
+        one_round(run, client)
+        assert run.engine.scenery.stage.layout.fixtures[0].pose == pytest.approx((4, 4, 0.5))
+        assert where(client, "shelf") == pytest.approx((4, 4, 0.5))
+        assert put(client, "one", 4, 4) == NACK
+        assert put(client, "one", 15, 5) == ACK
+        one_round(run, client)
+        assert run.pose(0)[:2] == pytest.approx((15, 5))
+        client.command(SIMULATION, 0, 2, b"")
+        one_round(run, client)
         assert where(client, "shelf") == pytest.approx((15, 5, math.pi / 2))
+        assert run.pose(0)[:2] == pytest.approx((10, 10))
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,10 @@ def rounds(robot: SimpleNamespace, seconds: float) -> None:
 
 
 def test_position2d_move_but_for_the_velocity_at_a_wall(robot: SimpleNamespace) -> None:
-    """The original wants to read -3 m/s, as commanded, of a robot that stands at a wall."""
+    """The original wants to read -3 m/s, as commanded, of a robot that stands at a wall.
+
+    Stage itself bounds what is commanded to 1 m/s.
+    """
     base = robot.base
     base.set_speed(-3.0, 0.0)
     rounds(robot, 2.0)

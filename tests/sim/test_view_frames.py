@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sim.video.snapshot import Backdrop
 from sim.view import frames
 from sim.view.frames import (
     COLORS,
@@ -24,6 +25,7 @@ from sim.view.frames import (
     ROBOTS,
     SAID,
     SIGHTS,
+    SOLIDS,
     STATUS,
     SWITCHES,
     THINGS,
@@ -187,6 +189,20 @@ def test_what_is_no_more_is_told(tmp_path: Path) -> None:
     assert found["fans"] == []
     assert found["said"] == [[1, 0.0, ""]]
     assert "sights" not in found
+
+
+def test_what_stands_is_sent_again_only_where_a_hand_has_moved_it() -> None:
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    here, there = (Backdrop((9.0, 9.0), solids=[(square + x, 0xFF)]) for x in (2.0, 5.0))
+    found, before = [], None
+    for backdrop in (None, there, there, here):
+        now = moment(backdrop=backdrop)
+        sections = sent(now, before).sections
+        found.append(np.frombuffer(sections.get(SOLIDS, b"")[-32:], "<f4"))
+        before = now
+    assert [len(one) for one in found] == [0, 8, 0, 8]
+    assert found[1].reshape(4, 2) == pytest.approx(square + 5.0)
+    assert found[3].reshape(4, 2) == pytest.approx(square + 2.0)
 
 
 def test_paint_arrives_whole_however_many_moments_are_dropped() -> None:

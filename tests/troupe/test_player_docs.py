@@ -33,6 +33,7 @@ models:
       - {type: fiducial}
       - {type: bumper}
     actuators: [{type: sprayer}, {type: gripper}]
+    battery: {capacity: 100}
   full:
     <<: *model
     simulation: full

@@ -47,10 +47,10 @@ class Hands:
         return True
 
     def put_thing(self, thing: int, pose: Sequence[float]) -> bool:
-        """The same for something that can be pushed."""
+        """The same for a thing."""
         scenery = self.engine.scenery
         goal = (pose[0], pose[1], math.remainder(pose[2], math.tau))
-        if not scenery.stage.put_movable(thing, goal):
+        if not scenery.put_thing(thing, goal):
             return False
         scenery.refresh()
         self.note("put_thing", str(thing), goal)

@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.log.playback import Playback
 from sim.log.states import State
+from sim.showing import thing_poses
 from sim.view import figure
 from sim.view.moment import SETTLED, STALLED, Moment, Robot
 from troupe.live.readings import Shown, described
@@ -43,7 +44,8 @@ class LogMoments:
             colors=present.colors.astype(np.uint32),
             states=states.astype(np.uint8),
             robots=self._robots[:count],
-            things=present.movable_poses.astype(np.float32),
+            things=thing_poses(playback.layout, present.movable_poses).astype(np.float32),
+            backdrop=present.backdrop,
             fans=shown.fans,
             cones=shown.cones,
             sights=shown.sights,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sim.showing import Backdrops, thing_poses
 from sim.view import figure
 from sim.view.moment import AWAITED, SETTLED, STALLED, TOUCHING, Moment, Robot
 from sim.view.present import ENDED
@@ -31,6 +32,7 @@ class RunMoments:
     def __init__(self, engine: Engine, hands: Hands, waits: Waits) -> None:
         self.engine, self.hands, self.waits = engine, hands, waits
         self._eyes = Eyes(engine)
+        self._backdrops = Backdrops(engine.loaded)
         self._robots: list[Robot] = []
         self._paint: tuple[tuple[float, float], Any] = ((0.0, 0.0), None)
 
@@ -49,7 +51,8 @@ class RunMoments:
             colors=np.array([robot.color for robot in engine.robots], np.uint32),
             states=self._states(settled, awaited),
             robots=list(self._robots) if len(self._robots) < len(records) else self._robots,
-            things=stage.movable_poses.astype(np.float32),
+            things=thing_poses(stage.layout, stage.movable_poses).astype(np.float32),
+            backdrop=self._backdrops.of(stage.layout),
             fans=shown.fans,
             cones=shown.cones,
             sights=shown.sights,

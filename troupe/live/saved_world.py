@@ -1,4 +1,4 @@
-"""The world file of a run with its robots, and what can be pushed, where they are now."""
+"""The world file of a run with its robots and things where they are now."""
 
 from __future__ import annotations
 
@@ -39,8 +39,10 @@ def saved_world(loaded: LoadedWorld, moment: Moment) -> str:
         entry = {"name": name, "model": robot.model, "pose": written(pose)}
         robots.append(entry if controller is None else {**entry, "controller": controller})
     data["robots"] = robots
-    movable = [one for one in data.get("obstacles") or () if one.get("movable")]
-    for thing, pose in zip(movable, moment.things.tolist(), strict=True):
+    obstacles = data.get("obstacles") or ()
+    things = [one for one in obstacles if one.get("movable")]
+    things += [one for one in obstacles if one.get("name") and not one.get("movable")]
+    for thing, pose in zip(things, moment.things.tolist(), strict=True):
         thing["pose"] = written(pose)
     data["seed"] = moment.status.get("seed", loaded.world.seed)
     text: str = yaml.dump(

@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.showing import backdrop_of
 from sim.silhouette import silhouette
+from sim.stage.geometry import pieces
 from sim.video import palette
 from sim.view.moment import Scene
 
@@ -46,6 +47,10 @@ def scene_of(
         "things": [
             {"shape": shape_of(movable.body), "color": movable.color}
             for movable in loaded.layout.movables
+        ]
+        + [
+            {"shape": shape_of(one.body), "parts": parts_of(one.body)}
+            for one in loaded.layout.fixtures
         ],
         "floor": floor_of(loaded),
         "interval": world.clock.interval,
@@ -90,6 +95,11 @@ def model_of(model: Any) -> dict[str, Any]:
             "max_turn_rate": float(np.radians(drive.max_turn_rate)),
         },
     }
+
+
+def parts_of(body: Any) -> list[list[list[float]]]:
+    """The convex outlines that a body is made of, in its frame: what a hand can get hold of."""
+    return [corners.round(6).tolist() for corners, _ in pieces(body)]
 
 
 def shape_of(body: Any) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -336,6 +337,23 @@ def test_movable_things_are_drawn_where_they_are(arena: Backdrop) -> None:
     picture, image = one_robot(arena, **things, movable_poses=poses)
     for x, y, _ in poses:
         assert pixel(picture, image, x, y) == list(bgr(soften(0x0000FF)))
+
+
+def test_what_stands_is_drawn_where_it_stands_now_and_paint_about_it(arena: Backdrop) -> None:
+    floor = np.ones((21, 16), np.int16)
+    wall = np.array([[4.0, 4.0], [7.0, 4.0], [7.0, 6.0], [4.0, 6.0]])
+    moved = replace(arena, solids=[*arena.solids, (wall, 0x0000FF)])
+    poses = np.array([[10.0, 15.0, 0.0]])
+    paint = {"floor": floor, "resolution": 1.0, "poses": poses, "colors": [GREEN]}
+    picture, before = one_robot(arena, **paint)
+    there, expected = one_robot(moved, **paint)
+    now = picture.draw(Snapshot(0.0, **paint, backdrop=moved))
+    assert pixel(there, expected, 5.5, 5.0) == list(bgr(soften(0x0000FF)))
+    assert np.array_equal(now, expected)
+    shade = f"#{soften(0x0000FF):06x}"
+    assert shade in picture.svg(Snapshot(0.0, **paint, backdrop=moved))
+    assert shade not in picture.svg(Snapshot(0.0, **paint))
+    assert np.array_equal(picture.draw(Snapshot(0.0, **paint)), before)
 
 
 def test_every_kind_of_drawing_is_shown(arena: Backdrop) -> None:

@@ -104,6 +104,7 @@ def test_required_keys_are_documented_as_required() -> None:
     assert required == {
         ("map", "file"), ("obstacles[]", "shape"), ("obstacles[]", "pose"),
         ("models.NAME", "body"), ("models.NAME.body", "shape"),
+        ("models.NAME.battery", "capacity"),
         ("models.NAME.actuators[]", "type"), ("robots[]", "model"), ("doors[]", "name"),
         ("doors[]", "at"), ("doors[]", "model"), ("doors[]", "period"),
         ("log", "file"),

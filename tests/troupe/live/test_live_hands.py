@@ -15,7 +15,7 @@ from sim.build import load, load_data
 from sim.fleet.patience import Patience
 from sim.log.reader import LogReader
 from sim.log.replay import check
-from sim.view.frames import STATUS
+from sim.view.frames import ABOUT, SOLIDS, STATUS
 from sim.view.moment import Moment, Robot
 from tests.patience import PATIENCE
 from troupe.live.asks import Malformed, parse_ask
@@ -90,6 +90,36 @@ def test_a_thing_that_can_be_pushed_can_be_moved(still: Path) -> None:
         assert "no room" in viewer.notice()[-1]
         viewer.ask(do="step")
         assert viewer.until(lambda m: m.tick == 1).things.tolist() == [[2.0, 6.0, 0.0]]
+
+
+def test_what_stands_and_has_a_name_can_be_moved_too(still: Path) -> None:
+    still.write_text(still.read_text().replace("color: blue", "color: blue, name: wall"))
+    with watched(still, paused=True) as run:
+        viewer, other = Viewer(run.address), Viewer(run.address)
+        about = viewer.until(lambda m: m.kind == 1).json(ABOUT)
+        assert [len(thing.get("parts", ())) for thing in about["things"]] == [0, 1]
+        first = viewer.until(lambda m: m.robots == 2)
+        assert first.things[1].tolist() == [5.0, 4.0, 0.0]
+        assert SOLIDS not in first.sections
+        viewer.ask(do="put_thing", robot=1, pose=[4.0, 3.0, 0.0])
+        for one in (viewer, other):
+            found = one.until(lambda m: SOLIDS in m.sections and m.kind == 2)
+            assert found.things[1].tolist() == [4.0, 3.0, 0.0]
+            corners = np.frombuffer(found.sections[SOLIDS], "<f4")[-8:].reshape(4, 2)
+            assert corners.mean(axis=0).tolist() == [4.0, 3.0]
+        viewer.ask(do="put_thing", robot=1, pose=[2.8, 3.0, 0.0])  # on anna
+        assert "no room" in viewer.notice()[-1]
+        viewer.ask(do="put", robot=0, pose=[4.0, 3.0, 0.0])
+        assert "no room" in viewer.notice()[-1]
+        viewer.ask(do="put", robot=0, pose=[6.0, 3.0, 0.0])
+        viewer.until(lambda m: m.robots == 2 and m.poses[0, 0] == 6.0)
+        viewer.ask(do="world")
+        again = load_data(yaml.safe_load(viewer.told("world")))
+    assert again.layout.fixtures[0].pose[:2] == (4.0, 3.0)
+    assert [(one.robot, one.what) for one in run.result().touched] == [
+        ("1", "put_thing"),
+        ("anna", "put"),
+    ]
 
 
 def test_a_robot_that_nobody_drives_is_driven_by_hand_and_stops_with_its_hand(still: Path) -> None:

@@ -99,6 +99,26 @@ def test_a_thing_is_moved_as_well(page: Page) -> None:
     page.until("(t) => Math.abs(t.state.things[0] - 7) < 0.1")
 
 
+def test_a_wall_that_has_a_name_is_moved_where_it_is_met_and_shows_there(
+    browser: Any, still: Path
+) -> None:
+    still.write_text(still.read_text().replace("color: blue", "color: blue, name: wall"))
+    with watched(still, paused=True) as run:
+        context = browser.new_context(viewport={"width": 1100, "height": 720})
+        page = Page(context.new_page(), run.address)
+        x = page.get("troupe.camera.x")
+        page.drag((6, 4), (6.5, 4))  # beside it: the floor
+        assert page.get("troupe.camera.x") != x
+        page.page.keyboard.press(" ")
+        page.drag((5.3, 5.5), (6.3, 6))
+        page.until("(t) => Math.abs(t.state.things[3] - 6) < 0.05 && t.scene?.begun !== 0")
+        page.until("(t) => !t.dirty")
+        red, _, blue = page.pixel(6, 6.2)
+        assert blue > red + 60
+        assert min(page.pixel(4.7, 4)) > 200
+        context.close()
+
+
 def test_the_floor_is_panned_the_wheel_zooms_and_space_shows_all(page: Page) -> None:
     start = page.get("[troupe.camera.x, troupe.camera.y, troupe.camera.scale]")
     page.drag((1, 0.7), (3, 0.7))

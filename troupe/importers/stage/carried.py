@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from troupe.importers.stage import values
+from troupe.importers.stage.energy import charger_of
 from troupe.importers.stage.footprint import Rise, Shape, body_of, height_of, shapes_of
 from troupe.importers.stage.notes import Notes
 from troupe.importers.stage.returns import Returns
@@ -43,6 +44,7 @@ def movable_of(thing: Thing, folder: str, notes: Notes) -> list[tuple[dict[str, 
         **({"mass": mass[0]} if mass is not None and mass[0] > 0 else {}),
         **returns.data,
         **fiducial_of(thing),
+        **next(filter(None, (charger_of(one, notes) for one in thing.all())), {}),
     }
     return [(data, entity.place)]
 

@@ -26,7 +26,7 @@ CHILDREN = {
 }
 """The types of Stage's models that an interface takes, the first unused one of a robot."""
 
-OF_THE_ROBOT = ("position2d", "simulation", "speech", "graphics2d")
+OF_THE_ROBOT = ("position2d", "simulation", "speech", "graphics2d", "power")
 """Interfaces of the position model itself, or of the world."""
 
 

@@ -9,9 +9,11 @@ from troupe.importers.stage.syntax import Entity, Property
 
 WINDOW = "concerns Stage's window"
 UNNEEDED = {
+    "threadpool": "a run gives the same result on any number of cores",
     "threads": "a run gives the same result on any number of cores",
     "resolution": "geometry is exact here",
     "map_resolution": "geometry is exact here",
+    "interval_real": "`troupe run --realtime FACTOR` holds a run to the clock",
     "speedup": "`troupe run --realtime FACTOR` holds a run to the clock",
     "paused": WINDOW,
     "show_clock": WINDOW,
@@ -25,19 +27,19 @@ UNNEEDED = {
     "lazy": "what nobody reads costs nothing here",
     "polygons": "a model of Stage 2 has polygon[i].points besides",
     "odom_error": "a robot with gps has no odometry",
+    "take_watts": "nothing is charged that has no battery",
+    "watts": "Stage sets itself what a robot draws, and without a battery nothing is drawn",
     "wheelbase": "only a car has one",
 }
 """Why a property can be done without."""
 
 LOST = {
     "friction": "Stage's friction slows what is pushed; here `friction` is Coulomb's coefficient",
-    "joules": "energy is not simulated",
-    "joules_capacity": "energy is not simulated",
-    "kjoules": "energy is not simulated",
-    "kjoules_capacity": "energy is not simulated",
-    "watts": "energy is not simulated",
-    "give_watts": "energy is not simulated",
-    "take_watts": "energy is not simulated",
+    "joules": "only a robot has a battery",
+    "joules_capacity": "only a robot has a battery",
+    "kjoules": "only a robot has a battery",
+    "kjoules_capacity": "only a robot has a battery",
+    "give_watts": "only what stands, or can be pushed, charges robots",
     "update_interval": "every device gives data once per clock.interval",
     "fiducial_key": "every finder sees every fiducial (a finder's `ids` can choose)",
     "gripper_return": "a robot is no thing that others push and grip",

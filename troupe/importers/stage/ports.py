@@ -79,6 +79,7 @@ def served_at(robots: Sequence[Robot], ports: Ports) -> dict[Address, tuple[str,
         if "fiducial" in robot.rest and not any(kind == "fiducial" for kind, _ in devices):
             devices.append(("fiducial", None))
         twins += [("gripper", one.thing.name) for one in robot.grippers]
+        twins += [("power", None)] if "battery" in robot.rest else []
         twins += [("speech", None), ("graphics2d", None)]
         if not counts["simulation"]:  # one at a port
             twins.append(("simulation", None))

@@ -9,6 +9,7 @@ from typing import Any
 
 from troupe.importers.stage import values
 from troupe.importers.stage.carried import carried, fiducial_of, posed, rise_of
+from troupe.importers.stage.energy import battery_of
 from troupe.importers.stage.footprint import body_of, height_of
 from troupe.importers.stage.grippers import grippers_of
 from troupe.importers.stage.notes import Notes
@@ -59,6 +60,7 @@ def robot_of(
     for child in thing.children:
         if child.entity.type not in (*SENSORS, "gripper"):
             _note_part(child, notes)
+    rest |= battery_of(thing, notes)
     stem = next(iter(entity.macros), "robot")
     sensors = tuple(sensors_of(thing, units, scanners, notes))
     body = robot_body(thing, folder, notes)

@@ -18,6 +18,9 @@ from troupe.importers.stage.values import Pose, Units
 SENSORS = ("ranger", "laser", "sonar", "blobfinder", "fiducial", "fiducialfinder", "bumper")
 """Stage's types that become sensors of ours."""
 
+HOUSED = ("ranger", "laser", "sonar")
+"""Those of which clients may ask how large they are."""
+
 RAY_FOV = 0.1
 """Degrees; for a beam without width, which a cone of ours must have."""
 TRANSDUCER = 0.02
@@ -52,7 +55,7 @@ def sensors_of(
         _note_looks(thing, notes)
         mount = thing.pose.seen_from(robot.pose)
         mount = mount._replace(a=round(math.remainder(mount.a, 360.0), 9)).then(thing.origin)
-        if kind in ("ranger", "laser", "sonar"):
+        if kind in HOUSED:
             as_laser = scanners is None or thing.name in scanners or kind == "laser"
             found += _ranging(thing, mount, units, as_laser, notes)
         elif kind == "blobfinder":
@@ -68,12 +71,27 @@ def _note_looks(thing: Thing, notes: Notes) -> None:
     """What Stage draws of a sensor: sensors have no body, there and here."""
     entity = thing.entity
     drawn = {"color", "color_rgba", "size"} & set(entity.properties)
-    entity.used |= drawn | {"obstacle_return", "ranger_return", "blob_return", "gripper_return"}
+    if entity.type in HOUSED:
+        drawn -= {"size"}
+    entity.used |= drawn | {
+        "size",
+        "obstacle_return",
+        "ranger_return",
+        "blob_return",
+        "gripper_return",
+    }
     blocks = [child for child in entity.children if child.type == "block"]
     for block in blocks:
         block.used |= set(block.properties)
     if drawn or blocks:
         notes.looks(entity.place, "the colour, size or blocks of a sensor: it has no body")
+
+
+def _housing(thing: Thing) -> dict[str, Any]:
+    """The size of which a range finder tells its clients."""
+    length, width, _ = thing.size
+    told = "size" in thing.entity.properties and min(length, width) > 0.0
+    return {"housing": [length, width]} if told else {}
 
 
 def _placed(pose: Pose) -> dict[str, Any]:
@@ -112,6 +130,7 @@ def _ranging(thing: Thing, mount: Pose, units: Units, as_laser: bool, notes: Not
             "fov": min(beam.fov, 360.0) if beam.fov > 0.0 else RAY_FOV,
             "samples": min(beam.samples, MOST_SAMPLES),
             **({"noise": beam.noise} if beam.noise else {}),
+            **_housing(thing),
         }
         found.append(Sensor(data, thing, beam.place))
     return found
@@ -157,6 +176,7 @@ def _ring(thing: Thing, mount: Pose, beams: list[Beam], place: Place, notes: Not
         **_near(first),
         "fov": min(fovs[0], 360.0) if len(set(fovs)) == 1 else [min(fov, 360.0) for fov in fovs],
         **({"noise": first.noise} if first.noise else {}),
+        **_housing(thing),
     }
     return Sensor(data, thing, place)
 

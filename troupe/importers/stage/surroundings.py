@@ -10,6 +10,7 @@ from typing import Any
 from troupe.importers.stage import values
 from troupe.importers.stage.bitmap import Plan, read_plan, rectangles
 from troupe.importers.stage.carried import fiducial_of, name_of, posed
+from troupe.importers.stage.energy import charger_of
 from troupe.importers.stage.footprint import (
     FLAT,
     Rise,
@@ -182,7 +183,7 @@ def surroundings_of(
         if id(one) in mapped:
             surroundings.plans.append(one)
         elif not one.hollow:
-            surroundings.obstacles += _obstacles(one)
+            surroundings.obstacles += _obstacles(one, notes)
         if name_of(one.thing) and (id(one) in mapped or one.hollow):
             place = one.thing.entity.properties["name"].place
             notes.looks(place, "name of a floorplan or of walls: nobody asks where they are")
@@ -222,8 +223,9 @@ def _is_box(one: Standing) -> bool:
     return len(one.shapes) <= 1 and math.isclose(area(one.hull), area(one.corners))
 
 
-def _obstacles(one: Standing) -> list[tuple[dict[str, Any], Place]]:
+def _obstacles(one: Standing, notes: Notes) -> list[tuple[dict[str, Any], Place]]:
     """Obstacles of all shapes that reach equally high, with a fiducial if there is one."""
+    charger = charger_of(one.thing, notes)
     place, pose, shapes = one.thing.entity.place, one.pose, one.shapes
     if one.plan is not None:
         pose = one.plan.pose
@@ -240,8 +242,13 @@ def _obstacles(one: Standing) -> list[tuple[dict[str, Any], Place]]:
                 "pose": posed(pose),
                 **one.look(rise),
                 **(fiducial_of(one.thing) if number == first == 0 else {}),
+                **charger,
             }
             found.append((data, place))
+    above = any(child.entity.type == "model" for child in one.thing.children)
+    if name_of(one.thing) and (above or len(found) > 1):
+        what = "a client that puts it elsewhere moves its first part alone"
+        notes.differs(place, f"{what}: parts of several heights, and models upon it, stand alone")
     return found
 
 

@@ -70,8 +70,8 @@ export class Painter {
   }
 
   #things(context, state, camera, ink) {
-    state.scene.things.forEach(({ shape, color }, k) => {
-      if (3 * k >= state.things.length) return;
+    state.scene.things.forEach(({ shape, color, parts }, k) => {
+      if (parts || 3 * k >= state.things.length) return;   // what stands is drawn with the walls
       const [x, y, yaw] = state.things.subarray(3 * k, 3 * k + 3);
       const colors = coat(ink, color, null, false);
       const made = this.shape(shape).at(camera.scale);

@@ -1,5 +1,6 @@
 // Hands: Stage's keys and mouse, and fingers. What they ask for the run obeys, or refuses.
 
+import { within } from "./shapes.js";
 import { twistOf } from "./steering.js";
 
 const PACES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
@@ -88,13 +89,25 @@ export class Hands {
       if (distance <= room && distance < least) [best, least] = [{ robot }, distance];
     }
     if (best) return best;
-    state.scene.things.forEach(({ shape }, thing) => {
+    state.scene.things.forEach(({ shape, parts }, thing) => {
+      if (parts) return;
       const distance = Math.hypot(camera.column(state.things[3 * thing]) - column,
                                   camera.row(state.things[3 * thing + 1]) - row);
       const room = Math.max(painter.shape(shape).at(camera.scale).reach, NEAR);
       if (distance <= room && distance < least) [best, least] = [{ thing }, distance];
     });
-    return best;
+    return best ?? this.#standing(...camera.metres(column, row));
+  }
+
+  /** What stands there, and may be put elsewhere: it is large, and only itself is to be met. */
+  #standing(px, py) {
+    const { scene, things } = this.page.state;
+    const thing = scene.things.findLastIndex(({ parts }, k) => {
+      const [x, y, yaw] = things.subarray(3 * k, 3 * k + 3), cos = Math.cos(yaw), sin = Math.sin(yaw);
+      const at = [cos * (px - x) + sin * (py - y), cos * (py - y) - sin * (px - x)];
+      return parts?.some((corners) => within(corners, at));
+    });
+    return thing < 0 ? null : { thing };
   }
 
   #down(event) {

@@ -80,3 +80,11 @@ export function trace(context, points, column, row, yaw) {
   }
   context.closePath();
 }
+
+/** Whether a point lies in a convex outline, whose corners run counter-clockwise. */
+export function within(corners, [x, y]) {
+  return corners.every(([ax, ay], k) => {
+    const [bx, by] = corners[(k + 1) % corners.length];
+    return (bx - ax) * (y - ay) >= (by - ay) * (x - ax);
+  });
+}

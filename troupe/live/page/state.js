@@ -38,6 +38,7 @@ export class State {
     }
     if (message.cards) this.cards = message.cards;
     for (const [robot, time, text] of message.said ?? []) this.said.set(robot, { time, text });
+    if (message.solids) Object.assign(this.scene, { solids: message.solids, begun: now });
     if (message.paint) this.#paint(message.paint);
     this.#pace(message, now);
     this.time = message.time;

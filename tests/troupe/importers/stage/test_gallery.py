@@ -34,8 +34,13 @@ def test_there_are_ten_kinds_and_the_page_shows_them_all() -> None:
 
 
 def arrays(readings: Any) -> dict[str, Any]:
-    """What was read, by name: of lists as far as they go, robot by robot."""
+    """What was read, by name: of lists as far as they go, robot by robot.
+
+    Of what was hit only whether anything was: scenes number it in ways of their own.
+    """
     found = {name: value for name, value in vars(readings.data).items() if np.ndim(value)}
+    if "hits" in found:
+        found["hits"] = found["hits"] >= 0
     for name in {"blobs", "fiducials"} & found.keys():
         rows = zip(found[name], found["counts"], strict=True)
         found[name] = np.concatenate([row[:count] for row, count in rows])

@@ -181,7 +181,6 @@ LEFT_OUT = {
     "actuator ( )": "actuator",
     'ctrl "lasernoise 3"': "controllers: {lasernoise: {program: ./lasernoise.py}}",
     "ranger ( )": "measures nothing",
-    "watts 10": "watts",
     "nosuch 3": "nosuch",
     "velocity [1 0 0 0]": "velocity",
     "update_interval 500": "update_interval",
@@ -213,6 +212,14 @@ def test_what_concerns_stages_window_is_listed_apart(world) -> None:
     lines = report(got.notes)
     (lost,) = [n for n, line in enumerate(lines) if line.startswith("not carried over, and robots")]
     assert lost < lines.index("of no use here:")
+
+
+def test_how_fast_stage_tried_to_run_is_no_loss(world) -> None:
+    got = world(
+        "interval_real 10\nmodel ( size [9 9 1] boundary 1 )\nposition ( pose [1 1 0 0] )\n"
+    )
+    assert got.noted("unneeded", "text.world:1")
+    assert not [note for note in got.notes if note.kind == "lost"]
 
 
 def test_a_hundred_robots_that_lack_the_same_are_one_line(world) -> None:

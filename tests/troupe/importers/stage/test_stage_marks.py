@@ -137,6 +137,15 @@ def test_an_obstacle_of_several_blocks_is_one_with_their_heights(world) -> None:
     assert (high["z"], high["height"]) == (0.5, 0.5)
 
 
+def test_what_cannot_be_put_elsewhere_as_one_is_listed(world) -> None:
+    got = world(
+        FLOOR + 'model ( name "a" size [1 1 1] )\n'
+        'model ( name "b" pose [4 0 0 0] size [1 1 1] model ( size [0.2 0.2 1] ) )\n'
+    )
+    assert not got.noted("differs", "text.world:2")
+    assert any("first part alone" in what for what in got.noted("differs", "text.world:3"))
+
+
 # -- heights --------------------------------------------------------------------------------------
 
 

@@ -75,6 +75,7 @@ TABLES = {
     "world": {
         "name": '"n"', "interval_sim": "50", "quit_time": "7", "resolution": "0.1",
         "threads": "2", "show_clock": "1", "show_clock_interval": "10", "paused": "1",
+        "threadpool": "2", "interval_real": "1",
         "speedup": "3", "confirm_on_quit": "0", "unit_length": '"cm"', "unit_angle": '"radians"',
     },
     "window": {

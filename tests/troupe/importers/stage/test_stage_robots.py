@@ -126,6 +126,16 @@ def test_a_scan_is_a_laser_with_the_variance_of_its_noise_as_deviation(world) ->
     }  # fmt: skip
 
 
+def test_a_range_finder_tells_the_size_that_its_model_has(world) -> None:
+    got = world(
+        FLOOR + "position ( ranger ( size [0.156 0.155 0.19] sensor ( samples 9 ) )\n"
+        "ranger ( size [0 0 0] sensor ( ) ) laser ( size [0.2 0.1 0.1] ) )\n"
+    )
+    told = [sensor.get("housing") for sensor in got.model("position_0")["sensors"]]
+    assert told == [[0.156, 0.155], None, [0.2, 0.1]]
+    assert not got.noted("looks", "text.world:2")
+
+
 def test_several_scans_of_one_ranger_are_sensors_of_their_own(world) -> None:
     got = world(
         FLOOR + "position ( ranger ( pose [0.1 0 0 90]\n"
