@@ -89,7 +89,8 @@ def test_the_end_of_a_run_waits_for_no_page_that_stands(
         stopped, viewer = Deaf(run.address), Viewer(run.address)
         viewer.until(lambda m: m.kind == MOMENT)
         viewer.ask(do="go")
-        viewer.until(lambda m: STATUS in m.sections and m.json(STATUS)["outcome"] is not None)
+        with contextlib.suppress(ConnectionClosed):  # on a busy machine it is no prompt page either
+            viewer.until(lambda m: STATUS in m.sections and m.json(STATUS)["outcome"] is not None)
         assert run.result().outcome == "completed"
         stopped.close()
 
