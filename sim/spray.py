@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sim.robot import MountedSprayer, Robot
 from sim.stage.floor import FloorPaint
-from sim.stage.stage import NOBODY
+from sim.stage.moving import NOBODY
 
 MOST_PER_ROBOT = 1 << 16
 """More than Player's indices of one interface."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sim.result import RobotRecord
     from sim.robot import Robot
     from sim.stage.layout import Layout
-    from sim.stage.stage import Hand
+    from sim.stage.moving import Hand
 
 LEVELS = {"info": 20}
 NO_GRIP = -2
