@@ -1,0 +1,1 @@
+"""What `scripts/bench` measures: each function gives what stands in a row of its table."""
