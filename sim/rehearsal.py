@@ -51,6 +51,8 @@ def run_for_nobody(loaded: LoadedWorld, seed: int) -> None:
     engine = Engine(loaded, settings, NoFleet(), lambda line: None, controllers=False)  # type: ignore[arg-type]
     try:
         engine.begin()
+        for robot in engine.robots:
+            robot.port  # noqa: B018 - with the devices that a client would come to
         for _ in range(TICKS):
             for robot in engine.robots:
                 if robot.model.drive is not None:

@@ -40,6 +40,7 @@ from troupe.observed import Observed, Sensors
 from troupe.opened import Kept, both, ended, nothing
 from troupe.running import check_log
 from troupe.setting import as_text
+from troupe.warm import tell, warm_first
 from troupe.world import World, loaded_world
 
 if TYPE_CHECKING:
@@ -55,6 +56,10 @@ class RunError(RuntimeError):
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message)
         self.result = result
+
+
+def to_nobody(line: str) -> None:
+    """Lines for people that nobody has asked for."""
 
 
 class Simulation(Observed):
@@ -79,7 +84,8 @@ class Simulation(Observed):
             It is whole when the simulation is closed. A run after `reset` has its own, whose name
             ends in -2, -3 and so on.
         log_sensors: the types of sensors whose readings it keeps as well, or `["all"]`.
-        say: called with every line meant for people: what controllers print, what goes wrong.
+        say: called with every line meant for people: what controllers print, what goes wrong. That
+            kernels are compiled, which may take a minute, once, is else told on standard error.
 
     Raises:
         sim.worldfile.WorldError: the world has mistakes; all of them are in it.
@@ -102,7 +108,7 @@ class Simulation(Observed):
         patience: float = 60.0,
         log: str | Path | None = None,
         log_sensors: Sequence[str] | None = None,
-        say: Callable[[str], None] = lambda line: None,
+        say: Callable[[str], None] = to_nobody,
     ) -> None:
         self._loaded = loaded_world(world, set or {})
         check_log(self._loaded, log, log_sensors)
@@ -122,6 +128,7 @@ class Simulation(Observed):
         self._own = True
         self._lock: contextlib.AbstractContextManager[object] = contextlib.nullcontext()
         self._window: Window | None = None
+        warm_first(tell if say is to_nobody else say)
         if is_served(self._loaded, self._settings.listen, self._controllers):
             rehearse(self._loaded, self._settings.seed)
         self._begin()

@@ -65,6 +65,10 @@ robots:
 """
 
 
+looked: list[bool] = []
+"""Not empty once somebody in this process has looked whether kernels are to be compiled."""
+
+
 def tell(line: str) -> None:
     """Print a line on standard error."""
     print(line, file=sys.stderr, flush=True)
@@ -77,6 +81,7 @@ def warm_once(say: Callable[[str], None]) -> Path | None:
     """
     from troupe.kernel_cache import cache_folder, distrust_cache
 
+    looked.append(True)
     distrust_cache()
     folder = cache_folder()
     if folder is None:
@@ -90,6 +95,12 @@ def warm_once(say: Callable[[str], None]) -> Path | None:
                 older.unlink()
             mark.touch()
     return folder
+
+
+def warm_first(say: Callable[[str], None]) -> None:
+    """The same, unless somebody in this process has looked already."""
+    if not looked:
+        warm_once(say)
 
 
 def machine() -> str:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-import numba
+from pathlib import Path
 
+import numba
+import pytest
+
+import troupe
 from sim.engine import Engine
 from troupe.compiling import NOTICE, Compiling
 from troupe.running import run_file
@@ -49,3 +53,25 @@ def test_the_speed_of_a_run_does_not_count_what_is_compiled_in_it() -> None:
     assert began[3] > began[2]
     assert began[4:] == [began[3]] * 6
     assert lines.count(NOTICE) == 1
+
+
+def test_who_opens_a_run_from_python_is_told_that_kernels_are_compiled_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    compiled: list[bool] = []
+    monkeypatch.setattr("troupe.warm.looked", [])
+    monkeypatch.setattr("troupe.kernel_cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("troupe.warm.compile_all", lambda: compiled.append(True))
+    for _ in range(2):
+        with troupe.Simulation("wander", controllers=False):
+            pass
+    assert compiled == [True]
+    assert capsys.readouterr().err.count("compiling the kernels for this machine, only once") == 1
+    monkeypatch.setattr("troupe.warm.looked", [])
+    for mark in tmp_path.glob("*.warm"):
+        mark.unlink()
+    lines: list[str] = []
+    with troupe.Simulation("wander", controllers=False, say=lines.append):
+        pass
+    assert len([line for line in lines if "compiling the kernels" in line]) == 1
+    assert capsys.readouterr().err == ""
