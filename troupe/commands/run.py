@@ -146,6 +146,9 @@ def run(
     Exit code 0: completed; 1: ended short (time limit, a controller failed, hung or was lost);
     2: bad usage or a bad world file; 130: interrupted.
     """
+    for option, given in (("--no-open", no_open), ("--read-only", read_only)):
+        if given and view is None:
+            raise typer.BadParameter("there is no page without --view", param_hint=option)
     run_and_show(
         world,
         as_json=as_json,

@@ -19,6 +19,8 @@ def how_of(
     """How to run; what is wrong with an option is added to `mistakes`, and the option left out."""
     if jobs is not None and jobs < 1:
         mistakes.append(f"--jobs {jobs}: must be 1 or more")
+    if jobs is not None and dask is not None:
+        mistakes.append("--jobs and --dask: a scheduler's workers say how many run at a time")
     if timeout is not None and not 0 < timeout < 1e9:
         mistakes.append(f"--timeout {timeout:g}: must be above 0")
     part = (1, 1)

@@ -182,6 +182,14 @@ def test_an_address_that_cannot_be_had_is_bad_usage(address: str) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize("option", ["--no-open", "--read-only"])
+def test_a_page_that_is_not_there_is_not_spoken_of(option: str) -> None:
+    done = CliRunner().invoke(app, ["run", "wander", "--duration", "0.3", option])
+    assert done.exit_code == 2
+    assert option in done.stderr
+    assert "--view" in done.stderr
+
+
 @pytest.mark.parametrize(
     "words",
     [

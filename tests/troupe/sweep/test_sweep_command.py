@@ -56,6 +56,7 @@ def test_a_table_may_name_the_worlds(tmp_path: Path) -> None:
         (("--out", "{}/out", "--set", "clock.intervall=1,2"), "did you mean"),
         (("--out", "{}/out", "--jobs", "0"), "--jobs"),
         (("--out", "{}/out", "--shard", "3/2"), "--shard"),
+        (("--out", "{}/out", "--jobs", "2", "--dask", "127.0.0.1:8786"), "--jobs and --dask"),
         (("--out", "{}/out", "--timeout", "0"), "--timeout"),
         (("--out", "{}/out", "--video-of", "some"), "--video-of"),
         (("--out", "{}/out", "--each", "nowhere:f"), "nowhere"),
