@@ -14,7 +14,7 @@ from time import monotonic
 from sim.view.moment import Moment, Scene
 from troupe.live.asks import Ask
 
-PACED, FLAT_OUT = 1 / 30, 1 / 12
+PACED, FLAT_OUT = 1 / 30, 1 / 8
 """Wall-clock seconds between two moments at the least: of a run that is held to the clock, where
 they show motion; and of one that goes flat out, where they show jumps, however many there are."""
 SHARE = 0.01
@@ -82,6 +82,11 @@ class Exchange:
         self.said = [*self.said[-19:], line]
         self.notices += 1
         self.ring()
+
+    @property
+    def asked(self) -> bool:
+        """Whether anything was asked for that has not been taken."""
+        return bool(self._asks)
 
     def take(self) -> list[Ask]:
         """What was asked for since the last call, in order."""

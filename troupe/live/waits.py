@@ -16,15 +16,16 @@ class Waits:
     def __init__(self) -> None:
         self._since = monotonic()
         self._open: set[int] = set()
-        self._kept: dict[int, deque[float]] = {}
+        self.kept: dict[int, deque[float]] = {}
+        """The waits of the last ticks, by robot."""
         self._longest: dict[int, float] = {}
 
     def begin(self, selected: Collection[int]) -> None:
         """A tick is over: from now on the world waits for the next requests."""
         self._since = monotonic()
         self._open = set(selected)
-        for robot in self._kept.keys() - self._open:
-            del self._kept[robot], self._longest[robot]
+        for robot in self.kept.keys() - self._open:
+            del self.kept[robot], self._longest[robot]
 
     def look(self, behind: Container[int]) -> None:
         """Whoever is no longer behind has asked."""
@@ -33,9 +34,9 @@ class Waits:
         wait = monotonic() - self._since
         for robot in [robot for robot in self._open if robot not in behind]:
             self._open.discard(robot)
-            self._kept.setdefault(robot, deque(maxlen=KEPT)).append(wait)
+            self.kept.setdefault(robot, deque(maxlen=KEPT)).append(wait)
             self._longest[robot] = max(wait, self._longest.get(robot, 0.0))
 
     def of(self, robot: int) -> tuple[list[float], float]:
         """The waits of a robot's last ticks, and the longest since it is looked at."""
-        return list(self._kept.get(robot, ())), self._longest.get(robot, 0.0)
+        return list(self.kept.get(robot, ())), self._longest.get(robot, 0.0)

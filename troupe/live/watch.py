@@ -64,8 +64,10 @@ class Watch:
         """Show where the run is, if somebody wants to know."""
         if engine is not self._engine:
             self._begin(engine)
-        self._waits.begin(self.exchange.selected)
-        engine.context.held = self._stands(engine)
+        if self.exchange.selected or self._waits.kept:
+            self._waits.begin(self.exchange.selected)
+        if self.hold is not None:
+            engine.context.held = self._stands(engine)
         if self.exchange.due:
             self._offer(engine)
 
@@ -73,6 +75,8 @@ class Watch:
         """Obey hands; show what they did, and for whom the world waits."""
         if engine is not self._engine:
             self._begin(engine)
+        if self._idle():
+            return
         self._waits.look(engine.crew.behind)
         asks = self.exchange.take()
         for ask in asks:
@@ -83,6 +87,18 @@ class Watch:
         changed = bool(asks) or self.exchange.selected != self._seen
         if changed or (self.exchange.due and monotonic() - self._offered > REFRESH):
             self._offer(engine)
+
+    def _idle(self) -> bool:
+        """Whether nobody wants anything: the run asks several times a tick."""
+        exchange = self.exchange
+        return not (
+            exchange.asked
+            or exchange.selected
+            or self._seen
+            or self._hands.taken
+            or self.hold is not None
+            or (exchange.hungry and monotonic() - self._offered > REFRESH)
+        )
 
     # -- what the command calls when the run is over -----------------------------------------
 
