@@ -26,7 +26,7 @@ def team(folder: Path, count: int, duration: float, repeats: int) -> str:
 
 def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str:
     """The price of pages that watch: pairs of runs, without them and with them."""
-    duration = 600 if count == 4 else 6000 / count
+    duration = 12000 / count
     path = str(world(folder, "reader", duration, size=hall(count), count=count))
     prices = []
     for _ in range(max(5, repeats)):
