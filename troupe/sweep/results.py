@@ -9,8 +9,9 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any, ClassVar
 
 from sim.result import DoorRecord, FloorRecord, Result, RobotRecord
@@ -106,16 +107,28 @@ class Judge(Each):
 
 
 def module_of(path: Path) -> ModuleType:
-    """A file as a module, which finds those beside it as a program does; raises what it raises."""
+    """A file as a module, which finds those beside it as a program does; raises what it raises.
+
+    It is compiled as it is now: code that Python keeps passes for that of a file which was changed
+    within the same second and is as long as before.
+    """
     name = f"_each_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
+    loader = AsItIs(name, str(path))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look for it there
     with first_place(str(path.parent)):
-        spec.loader.exec_module(module)
+        loader.exec_module(module)
     return module
+
+
+class AsItIs(SourceFileLoader):
+    """Compiles a file whenever it is loaded, and keeps nothing."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        code: CodeType = self.source_to_code(self.get_data(self.path), self.path)
+        return code
 
 
 @contextmanager

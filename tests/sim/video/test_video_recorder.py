@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from video_arenas import SQUARE, walled
 
-from sim.video import Backdrop, Snapshot
+from sim.video import Backdrop, Snapshot, encode
 from sim.video.errors import VideoError
 from sim.video.recorder import Recorder
 from sim.video.sink import Sink
@@ -452,3 +452,11 @@ def test_a_sink_keeps_the_first_error_and_swallows_the_rest(tmp_path: Path) -> N
     sink.close()
     with pytest.raises(OSError, match="Bad file descriptor"):
         sink.check()
+
+
+@pytest.mark.parametrize("wide", [True, False])
+def test_x264_is_kept_from_avx_512_where_there_is_any(
+    monkeypatch: pytest.MonkeyPatch, wide: bool
+) -> None:
+    monkeypatch.setattr("llvmlite.binding.get_host_cpu_features", lambda: {"avx512f": wide})
+    assert ("asm=" in encode.tuning()) is wide
