@@ -25,6 +25,12 @@ CHUNK_HEAD = struct.Struct("<QQQI")
 """How a Chunk record begins: first and last time (ns), bytes of its records, their CRC32."""
 LEVEL = 1
 """Of zstd; higher ones cost more than they save (a hundredth at 3)."""
+TABLE = 12
+"""Bits of zstd's table of what it has seen: one of 16 KiB stays in a core's nearest memory, which
+makes it a tenth faster than its own choice of 64."""
+STRIDE = 2
+"""How much sooner than by itself zstd leaves alone what does not compress, where that is asked for:
+readings, which are floats that nothing foretells, take a tenth more room and half of the time."""
 NO_CRC = 0
 
 
@@ -150,6 +156,14 @@ def written(record: mcap.McapRecord) -> bytes:
     return data
 
 
+def compressor(stride: int) -> zstandard.ZstdCompressor:
+    """With zstd's own checksum: CRC32 takes longer than to compress what compresses well."""
+    parameters = zstandard.ZstdCompressionParameters.from_level(
+        LEVEL, hash_log=TABLE, target_length=stride, write_checksum=True
+    )
+    return zstandard.ZstdCompressor(compression_params=parameters)
+
+
 class LogFile:
     """A file that is being written. Whatever call it dies in, all that it has written stands."""
 
@@ -159,8 +173,7 @@ class LogFile:
         self.at = 0
         self.tail = Tail()
         self.channels = Channels()
-        # zstd's own checksum: CRC32 takes longer than the compression of what compresses well
-        self.compressor = zstandard.ZstdCompressor(level=LEVEL, write_checksum=True)
+        self.dense, self.swift = compressor(0), compressor(STRIDE)
         self.append(MAGIC + written(mcap.Header("ros2", library)))
 
     def append(self, *parts: bytes | memoryview) -> int:
@@ -202,14 +215,17 @@ class LogFile:
             kind.append(record)
         self.channels.new.clear()
 
-    def chunk(self, page: Page) -> None:
-        """Write the messages of a page as one chunk with its indexes, at once, and empty it."""
+    def chunk(self, page: Page, *, swift: bool = False) -> None:
+        """Write the messages of a page as one chunk with its indexes, at once, and empty it.
+
+        swift: in less time, and more room.
+        """
         if not page.count:
             return
         notes = page.notes[: page.count]
         indexes = message_indexes(notes["channel"], notes["time"], notes["offset"])
         data = page.memory[: page.size].data
-        packed = self.compressor.compress(data)
+        packed = (self.swift if swift else self.dense).compress(data)
         prefix = (
             CHUNK_HEAD.pack(indexes.start, indexes.end, page.size, NO_CRC)
             + b"\x04\0\0\0zstd"

@@ -191,7 +191,7 @@ class LogWriter:
         readings.
         """
         self.file.chunk(self.page)
-        self.file.chunk(self.sensed)
+        self.file.chunk(self.sensed, swift=True)
 
     def _release(self, size: int) -> None:
         """So many bytes wait no more."""
