@@ -150,7 +150,7 @@ class Switchboard:
         connection.session.acknowledge(event, None if reply is None else dict(reply))
 
     def note_answer(self, device: Device) -> None:
-        """A device has answered a request, a client's or a function's: it may tell other data now."""
+        """A device has answered a client's or a function's request: it may tell other data now."""
         self.stale |= self.rounds.changed(device)
 
     def tell_complaints(self, client: Connection) -> None:
