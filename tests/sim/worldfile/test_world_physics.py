@@ -104,3 +104,19 @@ def test_the_clock_that_is_proposed_is_taken(
         proposed += ", " + clock.partition(",")[0]
     path.write_text(SMALL.format(radius=radius, speed=speed, clock=proposed))
     load(path)
+
+
+def test_the_period_that_is_proposed_is_taken(tmp_path: Path) -> None:
+    path = tmp_path / "world.yaml"
+    text = (
+        "size: [40, 10]\nclock: {interval: 0.333333}\n"
+        "models: {rover: {body: {shape: circle, radius: 0.3}}}\n"
+        "doors: [{name: s, at: [1, 1], model: rover, period: PERIOD}]\n"
+    )
+    path.write_text(text.replace("PERIOD", "4.1"))
+    with pytest.raises(WorldError) as raised:
+        load(path)
+    [mistake] = raised.value.mistakes
+    assert mistake.where == ("doors", 0, "period")
+    path.write_text(text.replace("PERIOD", str(mistake.allowed).rpartition("such as ")[2]))
+    load(path)
