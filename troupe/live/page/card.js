@@ -15,14 +15,14 @@ const ROWS = ["model", "pose", "twist", "odometry", "odometry error", "command",
 export class Card {
   /** `ask(what)`: what is asked of the run. */
   constructor(box, ask) {
-    Object.assign(this, { box, ask, robot: null });
+    Object.assign(this, { box, ask, robot: null, driven: null });
   }
 
   /** Show a robot, or (null) nobody; `all`: how many are selected. */
   show(state, robot, ink, all) {
     const card = robot === null ? undefined : state.cards[robot];
     if (!card) {
-      if (this.robot !== null || !this.box.firstChild) this.#clear(all);
+      if (this.robot !== null || !this.box.firstChild) this.#clear();
       return;
     }
     const kinds = card.sensors.map(({ type, kind }) => `${type} ${kind}`).join();
@@ -31,7 +31,14 @@ export class Card {
     this.#fill(state, card, ink);
   }
 
+  /** Who is driven from the card stops when that goes, or shows another robot. */
+  #letGo() {
+    if (this.driven !== null) this.ask({ do: "drive", robot: this.driven, twist: [0, 0, 0] });
+    this.driven = null;
+  }
+
   #clear() {
+    this.#letGo();
     this.robot = null;
     this.look = "";
     this.box.replaceChildren(element("p", {
@@ -39,6 +46,7 @@ export class Card {
   }
 
   #build(state, robot, card, all, look) {
+    this.#letGo();
     const focused = this.box.contains(document.activeElement) && document.activeElement.id;
     this.robot = robot;
     this.look = look;
@@ -66,7 +74,10 @@ export class Card {
     if (mayHold) parts.push(this.#grip(robot, card.taken));
     if (card.drivable && !state.scene.read_only) {
       const told = state.scene.models[state.models[robot]].drive;
-      const drive = (twist) => this.ask({ do: "drive", robot, twist });
+      const drive = (twist) => {
+        this.driven = twist.some(Boolean) ? robot : null;
+        this.ask({ do: "drive", robot, twist });
+      };
       parts.push(element("h3", { textContent: "Drive it" }), steering(drive, told));
     }
     if (this.plots.length) parts.push(element("h3", { textContent: "Sensors" }), plots);
@@ -114,8 +125,9 @@ export class Card {
     put("driven", card.distance === null ? stalled || null
       : `${metres(card.distance, 1)}${stalled && `, ${stalled}`}, ${card.stalls} stalls`);
     put("contacts", String(card.contacts));
+    const code = controller.exit_code && `exit code ${controller.exit_code}`;
     const ended = controller.error ? `: ${printable(controller.error, 400)}` : "";
-    const driver = [controller.kind, controller.state].filter(Boolean).join(", ");
+    const driver = [controller.kind, controller.state, code].filter(Boolean).join(", ");
     const held = card.taken ? "; a hand holds the robot" : "";
     put("controller", driver ? `${driver}${ended}${held}` : null);
     this.#waits(card.waits, log, put, css(tint(ink, this.robot)), ink);
