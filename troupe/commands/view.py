@@ -89,19 +89,25 @@ def view(
     The page stays when the run is over, and can begin it again. Of a log it shows any time. Ctrl-C
     ends it.
     """
-    log, start = as_log(world)
+    paused = not read_only  # or nobody could let it go on
+    watched = Watched(address, not no_open, read_only, paused=paused, stays=True, option="at")
+    try:
+        log, start = as_log(world)
+    except UsageError as error:
+        print(printable_lines(str(error)), file=sys.stderr)
+        raise typer.Exit(2) from None
     if log is not None:
         of_runs = {
             "--seed": seed, "--duration": duration, "--set": set_, "--listen": listen,
             "--json": as_json or None,
         }  # fmt: skip
         given = [name for name, value in of_runs.items() if value]
-        show_log(log, start, Watched(address, not no_open, read_only), given, quiet=quiet)
+        show_log(log, start, watched, given, quiet=quiet)
     run_and_show(
         world,
         as_json=as_json,
         quiet=quiet,
-        watched=Watched(address, not no_open, read_only, paused=not read_only, stays=True),
+        watched=watched,
         seed=seed,
         duration=duration,
         settings=set_ or [],
@@ -111,18 +117,26 @@ def view(
     )
 
 
-PLACE = re.compile(r"(.+\.mcap)(?:#t=(\d+(?:\.\d+)?))?", re.IGNORECASE | re.DOTALL)
-"""A log, and from which second of it on, as in the page's links."""
+PLACE = re.compile(r"(.+\.mcap)(#.*)?", re.IGNORECASE | re.DOTALL)
+"""A log, and where in it to begin."""
+MOMENT = re.compile(r"#t=([0-9]+(?:\.[0-9]+)?)")
+"""From which second of a log on, as in the page's links."""
 
 
 def as_log(name: str) -> tuple[Path | None, float]:
-    """A log's file and the second to begin at; None for what is a world."""
+    """A log's file and the second to begin at; None for what is a world.
+
+    Raises UsageError where what follows the file's name is no moment of it.
+    """
     found = PLACE.fullmatch(name)
     if found is None:
         return None, 0.0
-    if Path(name).is_file():
+    if found[2] is None or Path(name).is_file():
         return Path(name), 0.0
-    return Path(found[1]), float(found[2] or 0.0)
+    moment = MOMENT.fullmatch(found[2])
+    if moment is None:
+        raise UsageError(f"{name}: no moment of a log; from 12.5 s on is {found[1]}#t=12.5")
+    return Path(found[1]), float(moment[1])
 
 
 def show_log(
