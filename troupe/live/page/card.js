@@ -1,13 +1,12 @@
 // A robot's card: what it knows, what it is told, and its sensors as small plots. All text is text.
 
 import { css, tint } from "./colors.js";
+import { degrees, fixed, metres } from "./numbers.js";
 import { Plot, waits } from "./plots.js";
 import { steering } from "./steering.js";
 import { printable } from "./texts.js";
 
-const degrees = (radians) => `${((radians * 180) / Math.PI).toFixed(1)}°`;
-const metres = (value, digits = 2) => `${value.toFixed(digits)} m`;
-const pose = ([x, y, yaw]) => `${x.toFixed(2)}, ${y.toFixed(2)} m, ${degrees(yaw)}`;
+const pose = ([x, y, yaw]) => `${fixed(x, 2)}, ${metres(y)}, ${degrees(yaw)}`;
 const LONG = 0.3;   // seconds after which a wait is told while it goes on
 const ROWS = ["model", "pose", "twist", "odometry", "odometry error", "command", "driven", "contacts",
               "controller", "waits", "devices", "properties"];
@@ -115,12 +114,12 @@ export class Card {
     };
     put("model", printable(card.model));
     put("pose", pose(card.pose));
-    put("twist", `${card.twist[0].toFixed(2)}, ${card.twist[1].toFixed(2)} m/s, ${degrees(card.twist[2])}/s`);
+    put("twist", `${fixed(card.twist[0], 2)}, ${metres(card.twist[1])}/s, ${degrees(card.twist[2])}/s`);
     put("odometry", card.odometry ? pose(card.odometry)
       : "not in this log: --log-sensors odometry keeps it");
     put("odometry error", card.error &&
       `${metres(Math.hypot(card.error[0], card.error[1]), 3)}, ${degrees(card.error[2])}`);
-    put("command", `${kind} ${numbers.map((n) => n.toFixed(2)).join(", ")}`);
+    put("command", `${kind} ${numbers.map((n) => fixed(n, 2)).join(", ")}`);
     const stalled = card.stalled ? "stalled now" : "";
     put("driven", card.distance === null ? stalled || null
       : `${metres(card.distance, 1)}${stalled && `, ${stalled}`}, ${card.stalls} stalls`);
