@@ -8,7 +8,7 @@ import { Hands } from "./hands.js";
 import { Link } from "./link.js";
 import { posesOf, savePicture, saveSvg, saveText } from "./save.js";
 import { State } from "./state.js";
-import { Strip } from "./strip.js";
+import { Strip, put } from "./strip.js";
 import { printable } from "./texts.js";
 import { TimeLine, timeIn } from "./timeline.js";
 
@@ -165,10 +165,6 @@ function buttons() {
   } else if (status.paused) say(`Paused at ${state.time.toFixed(2)} s, tick ${state.tick}.`);
   else if (status.waiting?.length) say(`Waiting for ${status.waiting[0][0]}.`);
   else say(scene.log ? "Playing." : "Running.");
-}
-
-function put(box, text) {
-  if (box.textContent !== text) box.textContent = text;
 }
 
 function say(text) { put(find("state"), text); }
