@@ -74,9 +74,11 @@ def main(wanted: list[str]) -> None:
         if not wanted or name in wanted:
             take(browser, world, ticks, robot, name, **looks)
 
-    found = filter(None, map(shutil.which, ("chromium", "chromium-browser")))
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        raise SystemExit("there is no Chromium here")
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=next(found), args=["--no-sandbox"])
+        browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         desk, phone = {"width": 1200, "height": 780}, {"width": 390, "height": 780}
         make("wander", 240, 0, "view.png", viewport=desk)
         make(

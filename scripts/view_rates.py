@@ -212,6 +212,8 @@ def main() -> None:
     given = told.parse_args()
     found: Callable[[str], str | None] = shutil.which
     chromium = found("chromium") or found("chromium-browser")
+    if chromium is None:
+        raise SystemExit("there is no Chromium here")
     looks = [
         ("whole world", None, None),
         ("whole, panned", PAN, True),

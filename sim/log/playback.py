@@ -101,7 +101,7 @@ class Playback:
             track.go(until)
         self._paint.go(until)
         paints = not np.isnan(state.coverage)
-        settled = [self._state.get(robot, "") in ENDED for robot in range(count)]
+        settled = [self.driver_state(robot) in ENDED for robot in range(count)]
         return Present(
             time=state.time,
             tick=state.tick,
@@ -133,7 +133,11 @@ class Playback:
 
     def running(self, count: int) -> int:
         """How many of the first robots' controllers drive, in what was shown last."""
-        return sum(self._state.get(robot) == "running" for robot in range(count))
+        return sum(self.driver_state(robot) == "running" for robot in range(count))
+
+    def driver_state(self, robot: int) -> str:
+        """What a robot's controller was at in what was shown last, `running` say."""
+        return self._state.get(robot, "")
 
     def sense(self, state: State, *, everything: frozenset[int] = frozenset()) -> Surroundings:
         """All that is perceived in a state; `everything`: robots with sensors that nobody read."""

@@ -25,5 +25,5 @@ def test_what_only_a_run_has_is_refused_to_a_log(option: str, value: str | None)
 def test_a_place_in_a_log_that_is_none_is_told(place: str) -> None:
     done = troupe("view", f"run.mcap#{place}", "--no-open")
     assert (done.returncode, done.stdout) == (2, "")
-    told = f"run.mcap#{place}: #{place} is no time in a log; write run.mcap#t=12.5\n"
+    told = f"run.mcap#{place}: no moment of a log; from 12.5 s on is run.mcap#t=12.5\n"
     assert done.stderr == told

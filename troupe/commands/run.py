@@ -156,6 +156,8 @@ class Watched:
     read_only: bool
     paused: bool = False
     stays: bool = False
+    option: str = "view"
+    """What the address is given with."""
 
     def open(self, screen: Screen, again: bool) -> LiveView:
         """The view, not yet entered."""
@@ -190,7 +192,7 @@ class Watched:
         """Host and port; raises UsageError for what is none."""
         if self.address is None:
             return "127.0.0.1", 0
-        return parse_address("view", self.address)
+        return parse_address(self.option, self.address)
 
 
 def run_and_show(
@@ -230,8 +232,6 @@ def run_and_show(
         code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
         named = f"--listen {listen}" if listen is not None else "player.host"
-        if watched is not None and watched.address is not None:
-            named = f"--view {watched.address}"
         print(f"{named}: " * isinstance(error, socket.gaierror) + told(error), file=sys.stderr)
         code = 2
     except OutputLost:

@@ -63,15 +63,21 @@ def view(
     The page stays when the run is over, and can begin it again. Of a log it shows any time. Ctrl-C
     ends it.
     """
-    log, start = as_log(world)
+    paused = not read_only  # or nobody could let it go on
+    watched = Watched(address, not no_open, read_only, paused=paused, stays=True, option="at")
+    try:
+        log, start = as_log(world)
+    except UsageError as error:
+        print(printable_lines(str(error)), file=sys.stderr)
+        raise typer.Exit(2) from None
     if log is not None:
         given = given_options(context, {"world", "address", "no_open", "read_only", "quiet"})
-        show_log(log, start, Watched(address, not no_open, read_only), given, quiet=quiet)
+        show_log(log, start, watched, given, quiet=quiet)
     run_and_show(
         world,
         as_json=as_json,
         quiet=quiet,
-        watched=Watched(address, not no_open, read_only, paused=not read_only, stays=True),
+        watched=watched,
         seed=seed,
         duration=duration,
         settings=set_ or [],
@@ -81,26 +87,26 @@ def view(
     )
 
 
-PLACE = re.compile(r"(.+\.mcap)(?:#(.*))?", re.IGNORECASE | re.DOTALL)
-"""A log, and a place in it, as in the page's links."""
-
-SECOND = re.compile(r"t=(\d+(?:\.\d+)?)", re.ASCII)
-"""From which second of it on."""
+PLACE = re.compile(r"(.+\.mcap)(#.*)?", re.IGNORECASE | re.DOTALL)
+"""A log, and where in it to begin."""
+MOMENT = re.compile(r"#t=([0-9]+(?:\.[0-9]+)?)")
+"""From which second of a log on, as in the page's links."""
 
 
 def as_log(name: str) -> tuple[Path | None, float]:
-    """A log's file and the second to begin at; None for what is a world. Exits for no second."""
+    """A log's file and the second to begin at; None for what is a world.
+
+    Raises UsageError where what follows the file's name is no moment of it.
+    """
     found = PLACE.fullmatch(name)
     if found is None:
         return None, 0.0
-    if Path(name).is_file():
+    if found[2] is None or Path(name).is_file():
         return Path(name), 0.0
-    second = SECOND.fullmatch(found[2] or "t=0")
-    if second is None:
-        what = f"{name}: #{found[2]} is no time in a log; write {found[1]}#t=12.5"
-        print(printable_lines(what), file=sys.stderr)
-        raise typer.Exit(2)
-    return Path(found[1]), float(second[1])
+    moment = MOMENT.fullmatch(found[2])
+    if moment is None:
+        raise UsageError(f"{name}: no moment of a log; from 12.5 s on is {found[1]}#t=12.5")
+    return Path(found[1]), float(moment[1])
 
 
 def show_log(

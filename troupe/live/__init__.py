@@ -5,7 +5,7 @@ Nothing of this is imported, and no port is open, unless somebody asks for a vie
     exchange.py   where the run's thread and the server's meet
     asks.py       what a page may ask for, checked
     server.py     the pages' connections (viewer.py), in a thread of their own
-    messages.py   what they are sent
+    messages.py   what they are sent (told.py: of that, the words and numbers)
     entrance.py   who is let in, and the page's files
     opening.py    the command's side: addresses, the browser, one run after the other
     window.py     a simulation that is stepped from Python, in the page

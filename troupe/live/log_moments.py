@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,17 @@ from sim.view.moment import SETTLED, STALLED, Moment, Robot
 from troupe.live.readings import Shown, described
 from troupe.live.scene import MOST_FANS, MOST_SAID, MOST_TOLD
 from troupe.live.timeline import Timeline
+from troupe.live.told import Card, Status
+
+
+class Clock(NamedTuple):
+    """How the log is played. `ways`: those that led to where time jumped for the `jumps`-th time
+    (see `Moment`)."""
+
+    paused: bool
+    pace: float | None
+    ways: Any
+    jumps: int
 
 
 class LogMoments:
@@ -26,17 +37,25 @@ class LogMoments:
         self._floor: tuple[int, Any] = (-1, None)
         self._robots = [Robot(entry.name, entry.model) for entry in playback.entries]
 
-    def at(
-        self, k: int, seen: frozenset[int], clock: Mapping[str, Any], ways: Any, jumps: int
-    ) -> Moment:
-        """What there is to see after the k-th tick. `clock`: what goes into the status; `seen`:
-        who is selected; `ways`: those that led there when time jumped for the `jumps`-th time."""
+    def at(self, k: int, seen: frozenset[int], clock: Clock) -> Moment:
+        """What there is to see after the k-th tick. `seen`: who is selected."""
         playback = self.playback
         present, state = playback.present(k), playback.states[k]
         count = len(present.poses)
         selected = sorted(robot for robot in seen if robot < count)
         states = SETTLED * present.settled + STALLED * present.stalls
         shown = self._look(state, present.settled, selected)
+        status: Status = {
+            "paused": clock.paused,
+            "pace": clock.pace,
+            "seed": playback.seed,
+            "waiting": [],
+            "running": playback.running(count),
+            "coverage": None if present.coverage is None else round(present.coverage, 5),
+            "contacts": int(state.contacts.sum()),
+            "ended": int(present.settled.sum()),
+            "outcome": None,
+        }
         return Moment(
             time=present.time,
             tick=present.tick,
@@ -54,19 +73,10 @@ class LogMoments:
             paint=self._paint(present.floor),
             said=[(robot, *line) for robot, line in enumerate(present.said) if line],
             drawn=figure.told(playback.figures(count)),
-            status={
-                **clock,
-                "seed": playback.seed,
-                "waiting": [],
-                "running": playback.running(count),
-                "coverage": None if present.coverage is None else round(present.coverage, 5),
-                "contacts": int(state.contacts.sum()),
-                "ended": int(present.settled.sum()),
-                "outcome": None,
-            },
+            status=status,
             cards={robot: self._card(robot, state, shown) for robot in selected},
-            ways=ways,
-            jumps=jumps,
+            ways=clock.ways,
+            jumps=clock.jumps,
         )
 
     def _paint(self, floor: Any) -> Any:
@@ -117,7 +127,7 @@ class LogMoments:
             where += f", {bearing:.0f}° from ahead"
         return f"last began to touch at {touch.time:.2f} s, {where}; a log has not how long"
 
-    def _card(self, robot: int, state: State, shown: Shown) -> dict[str, Any]:
+    def _card(self, robot: int, state: State, shown: Shown) -> Card:
         """What the log knows of one robot at that time."""
         entry, line = self.playback.entries[robot], self.timeline
         time = state.time
@@ -137,7 +147,7 @@ class LogMoments:
             "contacts": int(state.contacts[robot]),
             "controller": {
                 "kind": "",
-                "state": driver.state if driver else "",
+                "state": self.playback.driver_state(robot),
                 "exit_code": driver.exit_code if driver else None,
                 "error": driver.error[-2000:] if driver and driver.error else None,
             },

@@ -17,7 +17,7 @@ from sim.log.playback import Playback
 from sim.view.moment import Moment
 from troupe.live.asks import Ask
 from troupe.live.exchange import Exchange
-from troupe.live.log_moments import LogMoments
+from troupe.live.log_moments import Clock, LogMoments
 from troupe.live.scene import scene_of
 from troupe.live.timeline import Timeline, timeline_of
 
@@ -137,5 +137,5 @@ class Playing:
 
     def moment(self, k: int) -> Moment:
         """What there is to see after the k-th tick of the log."""
-        clock = {"paused": self.paused, "pace": self.pace, "jumps": self.jumps}
-        return self._moments.at(k, self._seen, clock, self._ways, self.jumps)
+        clock = Clock(self.paused, self.pace, self._ways, self.jumps)
+        return self._moments.at(k, self._seen, clock)

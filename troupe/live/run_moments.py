@@ -16,6 +16,7 @@ from sim.view.present import ENDED
 from troupe.live.hands import Hands, cannot_drive, driving
 from troupe.live.readings import Eyes, Shown
 from troupe.live.scene import MOST_SAID, MOST_TOLD
+from troupe.live.told import Card, Status
 from troupe.live.waits import Waits
 
 if TYPE_CHECKING:
@@ -61,11 +62,7 @@ class RunMoments:
             paint=self._floor(),
             said=[(k, *record.said[-1]) for k, record in enumerate(records) if record.said],
             drawn=figure.told([robot.drawings for robot in engine.robots]),
-            status={
-                "paused": stands or engine.context.paused,
-                "outcome": outcome,
-                **self._status(awaited, settled),
-            },
+            status=self._status(awaited, settled, stands or engine.context.paused, outcome),
             cards={robot: self._card(robot, shown) for robot in selected if robot < len(records)},
         )
 
@@ -86,11 +83,14 @@ class RunMoments:
             self._paint = worn, floor.owner.copy()
         return self._paint[1]
 
-    def _status(self, awaited: Mapping[str, float], settled: Any) -> dict[str, Any]:
+    def _status(
+        self, awaited: Mapping[str, float], settled: Any, paused: bool, outcome: str | None
+    ) -> Status:
         engine = self.engine
         floor = engine.scenery.floor
         late = sorted(awaited.items(), key=lambda item: -item[1])[:MOST_AWAITED]
         return {
+            "paused": paused,
             "pace": engine.realtime,
             "seed": engine.settings.seed,
             "waiting": [[name, round(wait, 1)] for name, wait in late],
@@ -98,9 +98,10 @@ class RunMoments:
             "coverage": round(floor.coverage, 5) if floor.painted_area > 0.0 else None,
             "contacts": int(engine.scenery.stage.contact_counts.sum()),
             "ended": int(settled.sum()),
+            "outcome": outcome,
         }
 
-    def _card(self, robot: int, shown: Shown) -> dict[str, Any]:
+    def _card(self, robot: int, shown: Shown) -> Card:
         """What is known of one robot."""
         engine = self.engine
         scenery, one = engine.scenery, engine.robots[robot]

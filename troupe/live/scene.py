@@ -59,7 +59,6 @@ def scene_of(
         "again": again,
         "stepped": stepped,
         "log": log,
-        "most_fans": MOST_FANS,
         "palette": {
             "tints": list(palette.TINTS),
             "ground": palette.GROUND,
@@ -85,12 +84,9 @@ def model_of(model: Any) -> dict[str, Any]:
     drive = model.drive
     return {
         "shape": shape_of(model.body),
-        "color": max(model.body.color, 0),  # a random one is each robot's own
-        "fiducial": model.fiducial,
         "drive": None
         if drive is None
         else {
-            "kind": drive.kind,
             "max_speed": drive.max_speed,
             "max_turn_rate": float(np.radians(drive.max_turn_rate)),
         },

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import json
 import os
 import secrets
@@ -70,10 +71,14 @@ class LiveServer:
             self._wait(self._open(host, port), START_LIMIT)
         except BaseException as error:
             self._stop()
-            if isinstance(error, OSError) and not isinstance(error, socket.gaierror):
-                why = os.strerror(error.errno) if error.errno else str(error)
-                raise OSError(error.errno, f"cannot listen on {host}:{port}: {why}") from None
-            raise
+            if not isinstance(error, OSError):
+                raise
+            why = error.strerror or str(error)  # of a name that is none the number is no errno
+            if error.errno and not isinstance(error, socket.gaierror):
+                why = os.strerror(error.errno)  # without the words of the event loop
+            if error.errno == errno.EADDRINUSE:
+                why += "; name another port, or 0 for any free one"
+            raise OSError(error.errno, f"cannot listen on {host}:{port}: {why}") from None
         self.exchange.ring = self._ring
 
     @property

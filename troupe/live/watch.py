@@ -117,8 +117,7 @@ class Watch:
         """The run is over, and still looked at: cards show, and it may be begun again."""
         for ask in self.exchange.take():
             if ask.do == "again" and self.again and self._engine is not None:
-                seed = self._engine.settings.seed
-                self.restart = seed if ask.seed is None else ask.seed
+                self._begin_again(self._engine, ask)
             elif ask.do not in ("pause", "go"):
                 self.exchange.tell("the run is over")
         if self._engine is not None and self.exchange.selected != self._seen:
@@ -182,7 +181,7 @@ class Watch:
             case "pace":
                 engine.realtime = ask.numbers[0] if ask.numbers else None
             case "again" if self.again:
-                self.restart = engine.settings.seed if ask.seed is None else ask.seed
+                self._begin_again(engine, ask)
                 engine.crew.interrupted = True
             case "put":
                 if not self._hands.put(ask.robot, ask.numbers):
@@ -202,6 +201,12 @@ class Watch:
                     self._tell(engine, ask.robot, refusal)
             case "give":
                 self._hands.give(ask.robot)
+
+    def _begin_again(self, engine: Engine, ask: Ask) -> None:
+        """With another seed, or the same; a run that stands stands at its beginning then."""
+        self.restart = engine.settings.seed if ask.seed is None else ask.seed
+        if self.hold is not None:
+            self.hold = 0
 
     def _tell(self, engine: Engine, robot: int, what: str) -> None:
         if robot < len(engine.robots):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
+from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
@@ -23,6 +25,21 @@ UNTIL = """([wanted]) => new Promise((done) => {
     ? done() : requestAnimationFrame(look);
   look();
 })"""
+
+
+@contextlib.contextmanager
+def chromium(**options: Any) -> Iterator[Any]:
+    """A headless Chromium, with options of Playwright's `launch`."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(
+            executable_path=CHROMIUM,
+            args=["--no-sandbox", "--disable-dev-shm-usage"],
+            timeout=1000 * PATIENCE,
+            **options,
+        )
+        yield browser
+        browser.close()
 
 
 def image(data: bytes) -> np.ndarray:

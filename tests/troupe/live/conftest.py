@@ -10,10 +10,8 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from browsing import CHROMIUM
-from watching import STILL
-
-from tests.patience import PATIENCE
+from browsing import Page, chromium
+from watching import STILL, Watched, watched
 
 
 @pytest.fixture
@@ -27,12 +25,20 @@ def still(tmp_path: Path) -> Path:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """A headless Chromium."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(
-            executable_path=CHROMIUM,
-            args=["--no-sandbox", "--disable-dev-shm-usage"],
-            timeout=1000 * PATIENCE,
-        )
+    with chromium() as found:
         yield found
-        found.close()
+
+
+@pytest.fixture
+def run(still: Path) -> Iterator[Watched]:
+    """A run of that world, which stands at its beginning."""
+    with watched(still, paused=True, realtime=20) as run:
+        yield run
+
+
+@pytest.fixture
+def page(browser: Any, run: Watched) -> Iterator[Page]:
+    """A browser's page at it."""
+    context = browser.new_context(viewport={"width": 1100, "height": 720})
+    yield Page(context.new_page(), run.address)
+    context.close()

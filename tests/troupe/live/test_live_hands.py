@@ -292,6 +292,21 @@ def test_a_run_begins_again_with_the_same_seed_or_another() -> None:
     assert again.digest == troupe.run("wander", duration=2.0, seed=5).digest
 
 
+def test_a_run_that_stood_stands_at_its_beginning_when_it_begins_again(still: Path) -> None:
+    with watched(still, paused=True) as run:
+        viewer = Viewer(run.address)
+        viewer.ask(do="step", ticks=3)
+        viewer.until(lambda m: m.tick == 3)
+        viewer.ask(do="again", seed=5)
+        viewer.until(lambda m: m.kind == 1)
+        found = viewer.until(lambda m: STATUS in m.sections)
+        assert found.tick == 0
+        assert found.json(STATUS)["paused"]
+        assert viewer.message().tick == 0
+        viewer.ask(do="step")
+        assert viewer.until(lambda m: m.tick > 0).tick == 1
+
+
 def test_pausing_times_no_controller_out() -> None:
     patience = 0.5  # wall-clock seconds: the pause is longer, by what the run itself looks at
     with watched("wander", duration=1.0, paused=True, patience=patience) as run:

@@ -196,6 +196,7 @@ def test_a_card_tells_what_was_known_then(log: Path) -> None:
         assert [sensor["type"] for sensor in cards["0"]["sensors"]] == ["laser", "bumper"]
         assert cards["0"]["sensors"][1]["known"] == "nothing touched so far"
         assert cards["1"]["properties"] == {}
+        assert [cards[robot]["controller"]["state"] for robot in ("0", "1")] == ["running"] * 2
         viewer.ask(do="seek", time=11.0)
         later = viewer.until(lambda m: m.tick == 110 and CARDS in m.sections).json(CARDS)
         assert later["1"]["properties"] == {"rank": 3}

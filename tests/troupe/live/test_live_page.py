@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,19 +20,6 @@ NOTE = """() => {
   window.noticed = [];
   new MutationObserver(() => noticed.push(box.textContent)).observe(box, { childList: true });
 }"""
-
-
-@pytest.fixture
-def run(still: Path) -> Iterator[Watched]:
-    with watched(still, paused=True, realtime=20) as run:
-        yield run
-
-
-@pytest.fixture
-def page(browser: Any, run: Watched) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1100, "height": 720})
-    yield Page(context.new_page(), run.address)
-    context.close()
 
 
 def test_the_page_draws_what_the_run_knows(page: Page, run: Watched) -> None:
@@ -75,50 +61,6 @@ def test_keys_set_the_pace_as_in_stage(page: Page) -> None:
         page.until("(t, pace) => t.state.status.pace === pace", pace)
 
 
-def test_a_drag_moves_a_robot_and_nothing_through_walls(page: Page) -> None:
-    page.drag((2, 2), (2, 6))
-    page.until("(t) => Math.abs(t.state.poses[1] - 6) < 0.1")
-    x, y = page.get("[troupe.state.poses[0], troupe.state.poses[1]]")
-    assert (x, y) == pytest.approx((2, 6), abs=0.05)  # a pixel is 0.01 m
-    page.drag((x, y), (5, 4))  # into the wall
-    page.until("(t) => document.querySelector('#notices p') !== null")
-    assert "no room" in page.page.inner_text("#notices")
-    now = page.get("[troupe.state.poses[0], troupe.state.poses[1]]")
-    assert abs(now[0] - 5) >= 1.0 or abs(now[1] - 4) >= 2.5
-    assert page.get("troupe.state.tick") == 0
-
-
-def test_a_right_drag_turns_it(page: Page) -> None:
-    page.drag((2, 2), (0.5, 2), button="right")
-    page.until("(t) => Math.abs(Math.abs(t.state.poses[2]) - Math.PI) < 0.05")
-    assert page.get("troupe.state.poses[0]") == 2
-
-
-def test_a_thing_is_moved_as_well(page: Page) -> None:
-    page.drag((8, 6), (7, 7))
-    page.until("(t) => Math.abs(t.state.things[0] - 7) < 0.1")
-
-
-def test_a_wall_that_has_a_name_is_moved_where_it_is_met_and_shows_there(
-    browser: Any, still: Path
-) -> None:
-    still.write_text(still.read_text().replace("color: blue", "color: blue, name: wall"))
-    with watched(still, paused=True) as run:
-        context = browser.new_context(viewport={"width": 1100, "height": 720})
-        page = Page(context.new_page(), run.address)
-        x = page.get("troupe.camera.x")
-        page.drag((6, 4), (6.5, 4))  # beside it: the floor
-        assert page.get("troupe.camera.x") != x
-        page.page.keyboard.press(" ")
-        page.drag((5.3, 5.5), (6.3, 6))
-        page.until("(t) => Math.abs(t.state.things[3] - 6) < 0.05 && t.scene?.begun !== 0")
-        page.until("(t) => !t.dirty")
-        red, _, blue = page.pixel(6, 6.2)
-        assert blue > red + 60
-        assert min(page.pixel(4.7, 4)) > 200
-        context.close()
-
-
 def test_the_floor_is_panned_the_wheel_zooms_and_space_shows_all(page: Page) -> None:
     start = page.get("[troupe.camera.x, troupe.camera.y, troupe.camera.scale]")
     page.drag((1, 0.7), (3, 0.7))
@@ -147,34 +89,6 @@ def test_clicks_select_and_a_card_tells_what_a_robot_knows(page: Page) -> None:
     assert page.get("[...troupe.view.selected]") == [0, 1]
     page.page.mouse.click(*page.place(1, 0.7))
     assert page.get("[...troupe.view.selected]") == []
-
-
-def test_arrows_drive_who_is_selected(page: Page) -> None:
-    page.page.fill("#robot", "berta")
-    page.page.press("#robot", "Enter")
-    page.until("(t) => t.state.cards[1] !== undefined")
-    page.page.focus("#canvas")
-    page.page.keyboard.press("p")
-    page.page.keyboard.down("ArrowLeft")
-    page.until("(t) => t.state.poses[5] > 0.3")
-    page.page.keyboard.up("ArrowLeft")
-    page.until("(t) => t.state.cards[1].command[1].every((part) => part === 0)")
-
-
-def test_a_stick_drives_who_is_selected_until_it_is_let_go(page: Page) -> None:
-    page.page.evaluate("troupe.hands.select([0])")
-    page.page.locator(".stick").scroll_into_view_if_needed()
-    box = page.page.locator(".stick").bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.page.keyboard.press("p")
-    page.page.mouse.move(x, y)
-    page.page.mouse.down()
-    page.page.mouse.move(x, y - 23)  # half way ahead
-    page.until("(t) => t.state.poses[1] > 2.2")
-    half = page.get("troupe.state.cards[0].command[1]")
-    assert half == pytest.approx([0.3, 0, 0])
-    page.page.mouse.up()
-    page.until("(t) => t.state.cards[0].command[1].every((part) => part === 0)")
 
 
 def test_the_world_is_saved_as_it_stands(page: Page, still: Path) -> None:
@@ -252,26 +166,6 @@ def test_axe_finds_nothing_that_shuts_people_out(
     assert found.violations_count == 0, found.generate_report()
     assert page.get("document.documentElement.scrollWidth") <= width
     context.close()
-
-
-def test_a_robot_is_taken_from_its_controller_and_given_back(browser: Any) -> None:
-    with watched("wander", paused=True) as run:
-        context = browser.new_context()
-        page = Page(context.new_page(), run.address)
-        page.page.evaluate("troupe.hands.select([0])")
-        page.page.click("#take")
-        page.until("(t) => t.state.cards[0].taken && document.querySelector('.stick')")
-        page.page.focus("#canvas")
-        page.page.keyboard.down("ArrowLeft")
-        page.page.keyboard.press(".")
-        page.until("(t) => t.state.tick === 1 && t.state.cards[0].command[1][2] > 0.3")
-        page.page.keyboard.up("ArrowLeft")
-        page.page.keyboard.press("k")
-        page.until("(t) => !t.state.cards[0].taken && !document.querySelector('.stick')")
-        assert page.complaints == []
-        context.close()
-    what = [touch.what for touch in run.result().touched]
-    assert (what[0], what[-1]) == ("take", "give")
 
 
 def test_the_run_begins_again_with_another_seed(page: Page) -> None:

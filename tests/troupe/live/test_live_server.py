@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 from watching import STILL, Viewer, Watched, stepped, watched
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+import troupe
 from sim.view.frames import STATUS
 from tests.patience import PATIENCE
 from troupe.app import app
@@ -178,7 +179,8 @@ def test_an_address_that_cannot_be_had_is_bad_usage(address: str) -> None:
             address = f"127.0.0.1:{taken.getsockname()[1]}"
         done = CliRunner().invoke(app, ["run", "wander", "--view", address, "--no-open"])
     assert done.exit_code == 2, done.stderr
-    assert address in done.stderr
+    assert f"cannot listen on {address}" in done.stderr or "must be HOST:PORT" in done.stderr
+    assert ("another port" in done.stderr) == ("in use" in done.stderr)
     assert "Traceback" not in done.stderr
 
 
@@ -204,3 +206,20 @@ def test_an_address_that_is_none_is_named(words: list[str]) -> None:
     assert done.exit_code == 2
     assert "must be HOST:PORT" in done.stderr
     assert "where'" in done.stderr
+
+
+def test_the_address_of_a_view_is_named_as_it_was_given(tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    troupe.run("wander", duration=0.3, log=log)
+    for what in ("wander", str(log)):
+        done = CliRunner().invoke(app, ["view", what, "--at", "no:where", "--no-open"])
+        assert done.exit_code == 2
+        assert done.stderr.startswith("at 'no:where': must be HOST:PORT")
+
+
+@pytest.mark.parametrize("where", ["nan", "-1", "1e99", "", "inf", "3s", "1_0", "\u0661"])
+def test_where_a_log_is_to_begin_is_a_number_of_seconds(where: str) -> None:
+    done = CliRunner().invoke(app, ["view", f"run.mcap#t={where}", "--no-open"])
+    assert done.exit_code == 2
+    assert "run.mcap#t=12.5" in done.stderr
+    assert "no such world" not in done.stderr

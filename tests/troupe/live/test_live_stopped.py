@@ -13,7 +13,7 @@ from typing import Any
 
 import browsing
 import pytest
-from browsing import CHROMIUM, Page
+from browsing import Page, chromium
 from watching import Viewer, watched
 
 import troupe
@@ -30,16 +30,8 @@ STEPS = 10
 @pytest.fixture(scope="module")
 def page() -> Iterator[Any]:
     """An empty page of a headless Chromium, whose processes have the mark."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(
-            executable_path=CHROMIUM,
-            args=["--no-sandbox", "--disable-dev-shm-usage"],
-            env={**os.environ, "TROUPE_TEST": MARK},
-            timeout=1000 * PATIENCE,
-        )
+    with chromium(env={**os.environ, "TROUPE_TEST": MARK}) as browser:
         yield browser.new_page()
-        browser.close()
 
 
 @contextlib.contextmanager

@@ -1,13 +1,12 @@
 // A robot's card: what it knows, what it is told, and its sensors as small plots. All text is text.
 
 import { css, tint } from "./colors.js";
+import { degrees, fixed, metres } from "./numbers.js";
 import { Plot, waits } from "./plots.js";
 import { steering } from "./steering.js";
 import { printable } from "./texts.js";
 
-const degrees = (radians) => `${((radians * 180) / Math.PI).toFixed(1)}°`;
-const metres = (value, digits = 2) => `${value.toFixed(digits)} m`;
-const pose = ([x, y, yaw]) => `${x.toFixed(2)}, ${y.toFixed(2)} m, ${degrees(yaw)}`;
+const pose = ([x, y, yaw]) => `${fixed(x, 2)}, ${metres(y)}, ${degrees(yaw)}`;
 const LONG = 0.3;   // seconds after which a wait is told while it goes on
 const ROWS = ["model", "pose", "twist", "odometry", "odometry error", "command", "driven", "contacts",
               "controller", "waits", "devices", "properties"];
@@ -15,14 +14,14 @@ const ROWS = ["model", "pose", "twist", "odometry", "odometry error", "command",
 export class Card {
   /** `ask(what)`: what is asked of the run. */
   constructor(box, ask) {
-    Object.assign(this, { box, ask, robot: null });
+    Object.assign(this, { box, ask, robot: null, driven: null });
   }
 
   /** Show a robot, or (null) nobody; `all`: how many are selected. */
   show(state, robot, ink, all) {
     const card = robot === null ? undefined : state.cards[robot];
     if (!card) {
-      if (this.robot !== null || !this.box.firstChild) this.#clear(all);
+      if (this.robot !== null || !this.box.firstChild) this.#clear();
       return;
     }
     const kinds = card.sensors.map(({ type, kind }) => `${type} ${kind}`).join();
@@ -31,7 +30,14 @@ export class Card {
     this.#fill(state, card, ink);
   }
 
+  /** Who is driven from the card stops when that goes, or shows another robot. */
+  #letGo() {
+    if (this.driven !== null) this.ask({ do: "drive", robot: this.driven, twist: [0, 0, 0] });
+    this.driven = null;
+  }
+
   #clear() {
+    this.#letGo();
     this.robot = null;
     this.look = "";
     this.box.replaceChildren(element("p", {
@@ -39,6 +45,7 @@ export class Card {
   }
 
   #build(state, robot, card, all, look) {
+    this.#letGo();
     const focused = this.box.contains(document.activeElement) && document.activeElement.id;
     this.robot = robot;
     this.look = look;
@@ -66,7 +73,10 @@ export class Card {
     if (mayHold) parts.push(this.#grip(robot, card.taken));
     if (card.drivable && !state.scene.read_only) {
       const told = state.scene.models[state.models[robot]].drive;
-      const drive = (twist) => this.ask({ do: "drive", robot, twist });
+      const drive = (twist) => {
+        this.driven = twist.some(Boolean) ? robot : null;
+        this.ask({ do: "drive", robot, twist });
+      };
       parts.push(element("h3", { textContent: "Drive it" }), steering(drive, told));
     }
     if (this.plots.length) parts.push(element("h3", { textContent: "Sensors" }), plots);
@@ -104,18 +114,19 @@ export class Card {
     };
     put("model", printable(card.model));
     put("pose", pose(card.pose));
-    put("twist", `${card.twist[0].toFixed(2)}, ${card.twist[1].toFixed(2)} m/s, ${degrees(card.twist[2])}/s`);
+    put("twist", `${fixed(card.twist[0], 2)}, ${metres(card.twist[1])}/s, ${degrees(card.twist[2])}/s`);
     put("odometry", card.odometry ? pose(card.odometry)
       : "not in this log: --log-sensors odometry keeps it");
     put("odometry error", card.error &&
       `${metres(Math.hypot(card.error[0], card.error[1]), 3)}, ${degrees(card.error[2])}`);
-    put("command", `${kind} ${numbers.map((n) => n.toFixed(2)).join(", ")}`);
+    put("command", `${kind} ${numbers.map((n) => fixed(n, 2)).join(", ")}`);
     const stalled = card.stalled ? "stalled now" : "";
     put("driven", card.distance === null ? stalled || null
       : `${metres(card.distance, 1)}${stalled && `, ${stalled}`}, ${card.stalls} stalls`);
     put("contacts", String(card.contacts));
+    const code = controller.exit_code && `exit code ${controller.exit_code}`;
     const ended = controller.error ? `: ${printable(controller.error, 400)}` : "";
-    const driver = [controller.kind, controller.state].filter(Boolean).join(", ");
+    const driver = [controller.kind, controller.state, code].filter(Boolean).join(", ");
     const held = card.taken ? "; a hand holds the robot" : "";
     put("controller", driver ? `${driver}${ended}${held}` : null);
     this.#waits(card.waits, log, put, css(tint(ink, this.robot)), ink);

@@ -55,18 +55,25 @@ export class Painter {
   #trails(context, state, camera, ink) {
     context.lineWidth = 1.5;
     context.lineJoin = "round";
-    state.trails.each(state.poses, (robot, points) => {
-      const color = mix(tint(ink, robot), ink.ink, 0.15);
-      const middle = 2 * Math.floor(points.length / 4);
-      for (const [from, to, pale] of [[0, middle, 0.55], [middle, points.length - 2, 0.15]]) {
-        context.strokeStyle = css(mix(color, ink.ground, pale));
+    const lines = ink.tints.map(() => []);   // in batches of one colour, the older half paler
+    state.trails.each(state.poses, (robot, points) => lines[robot % lines.length].push(points));
+    const halves = [[0, 0.5, 0.55], [0.5, 1, 0.15]];
+    for (const [begin, end, pale] of halves) {
+      lines.forEach((some, k) => {
+        if (!some.length) return;
         context.beginPath();
-        for (let k = from; k <= to; k += 2) {
-          context.lineTo(camera.column(points[k]), camera.row(points[k + 1]));
+        for (const points of some) {
+          const at = (share) => 2 * Math.ceil(share * (points.length / 2 - 1));
+          for (let j = at(begin); j <= at(end); j += 2) {
+            const column = camera.column(points[j]), row = camera.row(points[j + 1]);
+            if (j === at(begin)) context.moveTo(column, row);
+            else context.lineTo(column, row);
+          }
         }
+        context.strokeStyle = css(mix(mix(ink.tints[k], ink.ink, 0.15), ink.ground, pale));
         context.stroke();
-      }
-    });
+      });
+    }
   }
 
   #things(context, state, camera, ink) {
@@ -140,30 +147,36 @@ export class Painter {
 
   /** A ring about who is selected, and about whom the world waits for or who stalls. */
   #selected(context, state, camera, ink, view) {
-    const ring = (robot, style, dash, gap) => {
-      const reach = this.reach(state, robot, camera) + gap;
+    const rings = (robots, style, dash, gap) => {
+      if (!robots.length) return;
       context.beginPath();
-      context.arc(camera.column(state.poses[3 * robot]), camera.row(state.poses[3 * robot + 1]),
-                  reach, 0, 2 * Math.PI);
+      for (const robot of robots) {
+        const reach = this.reach(state, robot, camera) + gap;
+        const column = camera.column(state.poses[3 * robot]), row = camera.row(state.poses[3 * robot + 1]);
+        context.moveTo(column + reach, row);
+        context.arc(column, row, reach, 0, 2 * Math.PI);
+      }
       context.setLineDash(dash);
       context.strokeStyle = style;
       context.lineWidth = 2;
       context.stroke();
       context.setLineDash([]);
     };
-    for (let robot = 0; robot < state.states.length; robot++) {
-      if (state.states[robot] & AWAITED) ring(robot, css(ink.ink), [2, 4], 7);
-      else if (state.states[robot] & STALLED) ring(robot, "#d55e00", [5, 3], 4);
-    }
-    for (const robot of view.selected) {
-      if (robot < state.count) ring(robot, view.dark ? "#7cc4ff" : "#0060a0", [], 3);
-    }
+    const awaited = [], stalled = [];
+    state.states.forEach((bits, robot) => {
+      if (bits & AWAITED) awaited.push(robot);
+      else if (bits & STALLED) stalled.push(robot);
+    });
+    rings(awaited, css(ink.ink), [2, 4], 7);
+    rings(stalled, "#d55e00", [5, 3], 6);
+    const selected = [...view.selected].filter((robot) => robot < state.count);
+    rings(selected, view.dark ? "#7cc4ff" : "#0060a0", [], 3);
     if (view.ghost) {
-      const { shape, x, y, yaw, fits } = view.ghost;
+      const { shape, x, y, yaw } = view.ghost;
       context.beginPath();
       trace(context, this.shape(shape).at(camera.scale).outline, camera.column(x), camera.row(y),
             yaw);
-      context.strokeStyle = fits ? css(ink.ink) : "#d55e00";
+      context.strokeStyle = css(ink.ink);
       context.setLineDash([4, 3]);
       context.stroke();
       context.setLineDash([]);

@@ -7,6 +7,7 @@ const PACES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const NEAR = 6;         // pixels by which a body may be missed
 const SLACK = 4;        // pixels that a click may move
 const SOON = 500;       // milliseconds within which a pace that was asked for has come
+const MOST_CARDS = 8;   // robots of which the run tells a page more; the latest has the card
 
 export class Hands {
   /** `page` has state, camera, view, canvas, link, painter and changed(). */
@@ -64,8 +65,9 @@ export class Hands {
 
   select(robots) {
     const { view } = this.page;
+    this.#stop();              // or who was driven would drive on
     view.selected = new Set(robots);
-    this.ask({ do: "select", robots: [...view.selected].slice(0, 8) });
+    this.ask({ do: "select", robots: [...view.selected].slice(-MOST_CARDS) });
     this.page.changed();
   }
 
@@ -75,6 +77,13 @@ export class Hands {
     if (!state.count) return;
     const now = view.selected.size ? [...view.selected].at(-1) : direction > 0 ? -1 : state.count;
     this.select([(now + direction + state.count) % state.count]);
+  }
+
+  /** Move the view; it follows nobody any more. */
+  #pan(columns, rows) {
+    const { camera, view } = this.page;
+    camera.pan(columns, rows);
+    if (view.show.follow) this.page.toggle("follow");
   }
 
   // -- the mouse, and fingers
@@ -116,8 +125,8 @@ export class Hands {
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
-    if (this.fingers.size === 2) {
-      this.grip = { kind: "pinch", apart: this.#apart() };
+    if (this.fingers.size > 1) {
+      this.#pinch();
       return;
     }
     const found = this.#at(event.offsetX, event.offsetY);
@@ -130,6 +139,13 @@ export class Hands {
     const [x, y, yaw] = poses.subarray(3 * index, 3 * index + 3);
     const [px, py] = this.page.camera.metres(event.offsetX, event.offsetY);
     Object.assign(this.grip, { kind: turn ? "turn" : "move", x, y, yaw, px, py, index });
+  }
+
+  /** Two fingers zoom; the one that stays moves the floor. */
+  #pinch() {
+    this.page.view.ghost = null;
+    this.grip = this.fingers.size > 1 ? { kind: "pinch", apart: this.#apart() }
+      : { kind: "floor", moved: true };
   }
 
   #apart() {
@@ -153,8 +169,7 @@ export class Hands {
     grip.moved ||= Math.hypot(event.offsetX - grip.column, event.offsetY - grip.row) > SLACK;
     if (!grip.moved) return;
     if (grip.kind === "floor") {
-      camera.pan(event.offsetX - oldColumn, event.offsetY - oldRow);
-      this.page.view.show.follow = false;
+      this.#pan(event.offsetX - oldColumn, event.offsetY - oldRow);
     } else {
       const [x, y] = camera.metres(event.offsetX, event.offsetY);
       const pose = grip.kind === "turn"
@@ -171,7 +186,7 @@ export class Hands {
     grip.pose = pose;
     const shape = grip.found.robot === undefined ? state.scene.things[grip.index].shape
       : state.scene.models[state.models[grip.index]].shape;
-    view.ghost = { shape, x: pose[0], y: pose[1], yaw: pose[2], fits: true };
+    view.ghost = { shape, x: pose[0], y: pose[1], yaw: pose[2] };
     if (grip.waiting) return;
     grip.waiting = true;       // one a picture is enough
     requestAnimationFrame(() => {
@@ -187,7 +202,11 @@ export class Hands {
   #up(event) {
     const { grip } = this;
     this.fingers.delete(event.pointerId);
-    if (!grip || this.fingers.size) return;
+    if (!grip) return;
+    if (this.fingers.size) {
+      this.#pinch();
+      return;
+    }
     this.grip = null;
     this.page.view.ghost = null;
     if (grip.kind !== "pinch" && !grip.moved) this.#click(grip);
@@ -212,7 +231,7 @@ export class Hands {
     const typing = event.target.closest?.("input:not([type=checkbox]):not([type=range]), textarea, select");
     if (typing && event.key !== "Escape") return;
     if (event.metaKey || (event.ctrlKey && !event.key.startsWith("Arrow"))) return;
-    const button = event.target.closest?.("button, input[type=checkbox], pre");
+    const button = event.target.closest?.("button, input[type=checkbox], summary, pre");
     if (button && (event.key === " " || event.key === "Enter")) return;
     if (event.key.startsWith("Arrow")) {
       if (this.#arrow(event)) event.preventDefault();
@@ -244,14 +263,14 @@ export class Hands {
 
   /** Arrows drive; with Shift they move the robot, with Alt or without a robot the view. */
   #arrow(event) {
-    const { camera, view, state } = this.page;
-    if (!state.scene || event.target.closest?.("input[type=range]")) return false;
+    const { view, state } = this.page;
+    if (!state.scene || event.target.closest?.("input[type=range], #help, pre")) return false;
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1],
                           ArrowDown: [0, -1] }[event.key];
     const robots = [...view.selected].filter((robot) => robot < state.count);
     if (event.altKey || robots.length === 0) {
-      if (event.target.closest?.("aside, #help, pre")) return false;
-      camera.pan(-40 * right, 40 * up);
+      if (event.target.closest?.("aside")) return false;
+      this.#pan(-40 * right, 40 * up);
       this.page.changed();
       return true;
     }

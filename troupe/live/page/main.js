@@ -8,7 +8,7 @@ import { Hands } from "./hands.js";
 import { Link } from "./link.js";
 import { posesOf, savePicture, saveSvg, saveText } from "./save.js";
 import { State } from "./state.js";
-import { Strip } from "./strip.js";
+import { Strip, put } from "./strip.js";
 import { printable } from "./texts.js";
 import { TimeLine, timeIn } from "./timeline.js";
 
@@ -58,11 +58,15 @@ const page = {
 const strip = new Strip(find);
 const line = new TimeLine(find, (time) => page.link.ask({ do: "seek", time }),
                           (robot) => page.state.names[robot]);
-let unseen = 0, over = false, lined = true;
+let unseen = 0, over = false, lined = true, lost = "";
 
 page.link = new Link({
-  open() { say("Connected."); },
-  closed(reason) { if (!over) say(reason ? `The connection has ended: ${printable(reason)}.` : "The connection has ended."); },
+  open() { lost = ""; say("Connected."); },
+  closed(reason) {
+    if (over) return;
+    lost = `The connection has ended${reason && `: ${printable(reason)}`}.`;
+    say(lost);
+  },
   notices(lines) { notice(...lines.slice(-3)); },
   world(text) { saveText(text, `troupe-${page.state.time.toFixed(1)}.yaml`); },
   scene(message) {
@@ -155,15 +159,12 @@ function buttons() {
   if (status.outcome) {
     over = true;
     say(`The run is over: ${status.outcome.replace("_", " ")}.`);
-  } else if (scene.log && state.time >= scene.log.until) {
+  } else if (lost) say(lost);
+  else if (scene.log && state.time >= scene.log.until) {
     say(`The end of the log: ${(scene.log.outcome ?? "the run was cut off").replace("_", " ")}.`);
   } else if (status.paused) say(`Paused at ${state.time.toFixed(2)} s, tick ${state.tick}.`);
   else if (status.waiting?.length) say(`Waiting for ${status.waiting[0][0]}.`);
   else say(scene.log ? "Playing." : "Running.");
-}
-
-function put(box, text) {
-  if (box.textContent !== text) box.textContent = text;
 }
 
 function say(text) { put(find("state"), text); }

@@ -1,9 +1,8 @@
 // A robot's sensors as small plots: scans in polar form, rings as bars, a camera's image, switches.
 
 import { css, mix, tint } from "./colors.js";
+import { degrees, metres } from "./numbers.js";
 
-const metres = (value) => `${value.toFixed(2)} m`;
-const degrees = (radians) => `${((radians * 180) / Math.PI).toFixed(1)}°`;
 const SIZE = 150, BARS = 80, WIDE = 1.05 * Math.PI;
 
 /** One sensor's figure; `show` draws what it reads now. */

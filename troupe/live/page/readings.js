@@ -3,6 +3,7 @@
 import { css, mix, tint } from "./colors.js";
 
 const FILLED = 8, RING = 7, RING_WIDTH = 3;
+const ON_THE_WAY = 0.6;   // more than half: two that see each other have a number each
 
 /** Readings on the ground, below the bodies. */
 export function drawReadings(context, state, camera, ink, view) {
@@ -62,24 +63,32 @@ function drawCones(context, { robot, fov, elements }, camera, ink) {
   context.stroke();
 }
 
+/** A line to each, with its number on the way: a body stands where it ends. */
 function drawMarks(context, { robot, x, y, yaw, seen }, camera, ink) {
-  const cos = Math.cos(yaw), sin = Math.sin(yaw);
-  context.strokeStyle = context.fillStyle = css(mix(tint(ink, robot), ink.ink, 0.3));
-  context.lineWidth = 1;
+  const cos = Math.cos(yaw), sin = Math.sin(yaw), color = css(mix(tint(ink, robot), ink.ink, 0.3));
+  const from = [camera.column(x), camera.row(y)];
+  context.fillStyle = color;
   context.font = "11px system-ui, sans-serif";
   context.textAlign = "center";
+  context.textBaseline = "alphabetic";
   for (let k = 0; k < seen.length; k += 4) {
     const [id, dx, dy] = seen.subarray(k, k + 3);
     const column = camera.column(x + cos * dx - sin * dy);
     const row = camera.row(y + sin * dx + cos * dy);
     context.beginPath();
     context.setLineDash([3, 3]);
-    context.moveTo(camera.column(x), camera.row(y));
+    context.moveTo(...from);
     context.lineTo(column, row);
+    context.strokeStyle = color;
+    context.lineWidth = 1;
     context.stroke();
     context.setLineDash([]);
-    context.strokeRect(column - 6, row - 6, 12, 12);
-    context.fillText(String(Math.round(id)), column, row - 9);
+    const text = String(Math.round(id)), [at, height] = [column, row].map(
+      (end, k) => from[k] + ON_THE_WAY * (end - from[k]));
+    context.strokeStyle = css(ink.ground);
+    context.lineWidth = 3;
+    context.strokeText(text, at, height + 4);
+    context.fillText(text, at, height + 4);
   }
 }
 

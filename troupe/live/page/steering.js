@@ -27,7 +27,7 @@ function stick(drive, told) {
     clearTimeout(late);
     const wait = sent + OFTEN - performance.now();
     if (wait > 0 && (ahead || left)) {
-      late = setTimeout(() => send(ahead, left), wait);
+      late = setTimeout(() => { if (held && base.isConnected) send(ahead, left); }, wait);
       return;
     }
     sent = performance.now();
@@ -69,12 +69,20 @@ function pad(drive, told) {
     const button = document.createElement("button");
     Object.assign(button, { type: "button", textContent: label });
     button.setAttribute("aria-label", name);
-    const go = () => drive(twistOf(told, ahead, left)), stop = () => drive([0, 0, 0]);
+    let held = false;
+    const go = () => {
+      held = true;
+      drive(twistOf(told, ahead, left));
+    };
+    const stop = () => {
+      if (held) drive([0, 0, 0]);
+      held = false;
+    };
     button.onpointerdown = (event) => {
       button.setPointerCapture(event.pointerId);
       go();
     };
-    button.onpointerup = button.onpointercancel = stop;
+    button.onpointerup = button.onpointercancel = button.onblur = stop;
     button.onkeydown = (event) => {
       if ((event.key === "Enter" || event.key === " ") && !event.repeat) go();
     };

@@ -58,6 +58,7 @@ function spark(canvas, curve, ink, most = 0, here = null) {
   if (here !== null) context.fillRect(column(Math.min(Math.max(here, from), from + span)), 0, 1, height);
 }
 
-function put(box, text) {
+/** Have a box say something; one that says it already is left alone, or it would be read out again. */
+export function put(box, text) {
   if (box.textContent !== text) box.textContent = text;
 }
