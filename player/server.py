@@ -6,6 +6,7 @@ One thread, nothing blocks but `poll`, and nothing that is decided here depends 
 from __future__ import annotations
 
 import errno
+import os
 import selectors
 import socket
 from collections.abc import Callable
@@ -53,9 +54,12 @@ class Server:
 
         The directory is told its host and port. Raises OSError where the address cannot be had.
         """
-        family, _, _, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )[0]
+        try:
+            family, _, _, _, address = socket.getaddrinfo(
+                host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+            )[0]
+        except OSError as error:
+            raise cannot_listen(host, port, error) from None
         listener = socket.socket(family, socket.SOCK_STREAM)
         try:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -64,9 +68,7 @@ class Server:
             listener.listen(LISTEN_BACKLOG)
         except OSError as error:
             listener.close()
-            raise OSError(
-                error.errno, f"cannot listen on {host}:{port}: {error.strerror}"
-            ) from None
+            raise cannot_listen(host, port, error) from None
         bound: tuple[str, int] = listener.getsockname()[:2]
         directory.place(*bound)
         self._listeners[listener] = directory
@@ -185,3 +187,16 @@ class Server:
         connection = self._add(sock, directory, False, peer, directory.port)
         self._desk.events.append((connection, Connected(peer)))
         connection.write()  # the banner at once, in one write
+
+
+def cannot_listen(host: str, port: int, error: OSError) -> OSError:
+    """The error of an address that cannot be had, which tells the address.
+
+    The number of the error of a name that nobody knows is no errno.
+    """
+    number, why = error.errno, error.strerror or str(error)
+    if isinstance(error, socket.gaierror):
+        number = None
+    elif number:
+        why = os.strerror(number)  # without the words of who called the system
+    return OSError(number, f"cannot listen on {host}:{port}: {why}")

@@ -196,9 +196,19 @@ def try_ports(player: Player, listen: tuple[str, int] | None, robots: int) -> No
 
 
 def try_address(host: str, port: int) -> None:
-    """Raises OSError where nobody can listen there."""
+    """Raises OSError, which says what to do, where nobody can listen there."""
     with Server() as server:
-        server.listen(host, port, Directory())
+        try:
+            server.listen(host, port, Directory())
+        except OSError as error:
+            raise advised(error) from None
+
+
+def advised(error: OSError) -> OSError:
+    """The error of an address that cannot be had, with what to do."""
+    if error.errno != errno.EADDRINUSE:
+        return error
+    return OSError(error.errno, f"{error.strerror}; name another port, or 0 for any free one")
 
 
 def reachable(host: str) -> str:

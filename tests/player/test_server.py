@@ -153,3 +153,9 @@ def test_other_files_can_be_waited_for(server):
     finally:
         os.close(inside)
         os.close(outside)
+
+
+def test_a_host_that_nobody_knows_is_an_error_that_names_it(server):
+    with pytest.raises(OSError, match=r"cannot listen on nowhere\.invalid:1: ") as told:
+        server.listen("nowhere.invalid", 1, directory())
+    assert told.value.errno is None  # that of a name is of another list

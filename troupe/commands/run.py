@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import socket
 import sys
 from dataclasses import dataclass
 from functools import partial
@@ -231,8 +230,7 @@ def run_and_show(
         print(error, file=sys.stderr)
         code = 2
     except OSError as error:  # an address that cannot be had, no process to be made
-        named = f"--listen {listen}" if listen is not None else "player.host"
-        print(f"{named}: " * isinstance(error, socket.gaierror) + told(error), file=sys.stderr)
+        print(told(error), file=sys.stderr)
         code = 2
     except OutputLost:
         if not interrupts.noted:

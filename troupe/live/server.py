@@ -13,11 +13,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import errno
 import json
-import os
 import secrets
-import socket
 import threading
 from collections.abc import Iterator
 from http import HTTPStatus
@@ -30,6 +27,8 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
+from player.server import cannot_listen
+from sim.ports import advised
 from troupe.live.asks import DOINGS, Ask, Malformed, parse_ask
 from troupe.live.entrance import answer
 from troupe.live.exchange import Exchange
@@ -73,12 +72,7 @@ class LiveServer:
             self._stop()
             if not isinstance(error, OSError):
                 raise
-            why = error.strerror or str(error)  # of a name that is none the number is no errno
-            if error.errno and not isinstance(error, socket.gaierror):
-                why = os.strerror(error.errno)  # without the words of the event loop
-            if error.errno == errno.EADDRINUSE:
-                why += "; name another port, or 0 for any free one"
-            raise OSError(error.errno, f"cannot listen on {host}:{port}: {why}") from None
+            raise advised(cannot_listen(host, port, error)) from None
         self.exchange.ring = self._ring
 
     @property
