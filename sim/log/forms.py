@@ -179,4 +179,5 @@ def pasted(
 
 @compiled
 def _rounded(value: float, steps: float) -> float:
-    return np.rint(value * steps) / steps if steps > 0.0 else value
+    """The nearest multiple of 1 / steps; -0.0, which is one with other bits, becomes 0.0."""
+    return np.rint(value * steps) / steps + 0.0 if steps > 0.0 else value

@@ -21,9 +21,9 @@ from sim.log.stretches import Stretch, write_clock
 from sim.log.tape import COVERAGE, Sheet
 from sim.log.tellings import commanded, write_commands, write_twists
 
-METRES, TURNS, SPEEDS = 2.0**10, 2.0**11, 2.0**20
+METRES, TURNS, SPEEDS = 2.0**10, 2.0**11, 2.0**16
 """Steps to which /tf and velocities are rounded: a millimetre, of quaternions what turns by 1e-3
-rad at the most, and 1e-6 m/s. Binary fractions end in zeros, which compress; the exact poses are
+rad at the most, and 1.5e-5 m/s. Binary fractions end in zeros, which compress; the exact poses are
 in /troupe/state."""
 TRANSFORMS = 64
 """Robots in one message of /tf: where robots enter all the time, few of them are laid out anew."""

@@ -65,6 +65,20 @@ def test_ticks_go_on_where_a_tape_ends(tmp_path: Path, monkeypatch: pytest.Monke
     assert sorted(set(part["tick"].tolist())) == list(range(24, 32))
 
 
+def test_velocities_are_rounded_and_a_body_that_stands_has_one_zero(tmp_path: Path) -> None:
+    log, velocities = tmp_path / "run.mcap", []
+    with troupe.Simulation(WORLD, log=log, controllers=False) as sim:
+        for tick in range(40):
+            sim.command(forward=0.2 * (tick % 3 - 1), turn=0.0317 * (tick % 5 - 2))
+            sim.step()
+            velocities.append(sim.velocities)
+    known, kept = np.array(velocities), troupe.Log(log).velocities
+    assert ((known < 0) & (known > -1e-9)).any()  # who turns slips by less than any rounding shows
+    assert not np.signbit(kept[kept == 0]).any()
+    assert np.abs(kept - known).max() <= 2.0**-17 + np.spacing(np.float32(1))
+    assert np.array_equal(kept * 2**16, np.rint(kept * 2**16))
+
+
 def test_other_readers_find_the_commands_of_a_second_in_one_message(tmp_path: Path) -> None:
     log = tmp_path / "run.mcap"
     with troupe.Simulation(WORLD, log=log, controllers=False) as sim:
