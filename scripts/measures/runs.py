@@ -59,7 +59,7 @@ def watched_speed(path: str, viewers: int) -> float:
     return float(json.loads(run.communicate()[0])["speed"])
 
 
-def logged(folder: Path, sensors: bool, repeats: int, duration: float = 1500.0) -> str:
+def logged(folder: Path, sensors: bool, repeats: int, duration: float = 1000.0) -> str:
     """How much longer a run of four robots with their processes takes that keeps a log.
 
     From the start until the log is whole, by the wall clock, over the time of the ticks.

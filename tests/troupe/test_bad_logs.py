@@ -146,6 +146,13 @@ def test_damage_is_told_once(whole: Path, tmp_path: Path) -> None:
     assert str(told.value).count("damaged") == 1
 
 
+@pytest.mark.parametrize("command", ["check", "render", "report", "view"])
+def test_a_log_without_a_tick_is_told(tmp_path: Path, command: str) -> None:
+    path = tmp_path / "run.mcap"
+    troupe.Simulation(WORLD, log=path).close()
+    assert "the run has no tick in it: there is nothing to" in refused(command, path)
+
+
 def refused(command: str, path: Path) -> str:
     """What a command says of a file that it cannot take, on one line."""
     first, *rest = COMMANDS[command]
