@@ -11,13 +11,16 @@ import typer
 
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
+from troupe import run_options as common
 from troupe.commands.run import Watched, run_and_show
+from troupe.given_options import given_options
 from troupe.interrupts import leave
 from troupe.show import Screen
 from troupe.usage import UsageError, told
 
 
 def view(
+    context: typer.Context,
     world: Annotated[
         str,
         typer.Argument(
@@ -38,45 +41,16 @@ def view(
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Tell the address, but open no browser.")
     ] = False,
-    read_only: Annotated[
-        bool, typer.Option("--read-only", help="Whoever watches can only watch.")
-    ] = False,
-    seed: Annotated[
-        int | None,
-        typer.Option(help="All that is random follows from it.", show_default="the world's"),
-    ] = None,
-    duration: Annotated[
-        float | None,
-        typer.Option(help="Simulated seconds at most.", show_default="the world's"),
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change the world, as in models.rover.drive.max_speed=0.3. May be repeated.",
-            show_default="no change",
-        ),
-    ] = None,
+    read_only: common.ReadOnly = False,
+    seed: common.Seed = None,
+    duration: common.Duration = None,
+    set_: common.Changes = None,
     realtime: Annotated[
         float,
         typer.Option(metavar="[FACTOR]", help="The pace at first; the page can change it."),
     ] = 1.0,
-    listen: Annotated[
-        str | None,
-        typer.Option(
-            metavar="HOST:PORT",
-            help="Let Player clients connect over TCP.",
-            show_default="only where the world says so",
-        ),
-    ] = None,
-    patience: Annotated[
-        float,
-        typer.Option(
-            help="Wall-clock seconds that a controller may hold up the others; twice that until "
-            "its first request. 0: for ever."
-        ),
-    ] = 60.0,
+    listen: common.Listen = None,
+    patience: common.Patience = 60.0,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the last run's result as one JSON object.")
     ] = False,
@@ -91,11 +65,7 @@ def view(
     """
     log, start = as_log(world)
     if log is not None:
-        of_runs = {
-            "--seed": seed, "--duration": duration, "--set": set_, "--listen": listen,
-            "--json": as_json or None,
-        }  # fmt: skip
-        given = [name for name, value in of_runs.items() if value]
+        given = given_options(context, {"world", "address", "no_open", "read_only", "quiet"})
         show_log(log, start, Watched(address, not no_open, read_only), given, quiet=quiet)
     run_and_show(
         world,
@@ -111,18 +81,26 @@ def view(
     )
 
 
-PLACE = re.compile(r"(.+\.mcap)(?:#t=(\d+(?:\.\d+)?))?", re.IGNORECASE | re.DOTALL)
-"""A log, and from which second of it on, as in the page's links."""
+PLACE = re.compile(r"(.+\.mcap)(?:#(.*))?", re.IGNORECASE | re.DOTALL)
+"""A log, and a place in it, as in the page's links."""
+
+SECOND = re.compile(r"t=(\d+(?:\.\d+)?)", re.ASCII)
+"""From which second of it on."""
 
 
 def as_log(name: str) -> tuple[Path | None, float]:
-    """A log's file and the second to begin at; None for what is a world."""
+    """A log's file and the second to begin at; None for what is a world. Exits for no second."""
     found = PLACE.fullmatch(name)
     if found is None:
         return None, 0.0
     if Path(name).is_file():
         return Path(name), 0.0
-    return Path(found[1]), float(found[2] or 0.0)
+    second = SECOND.fullmatch(found[2] or "t=0")
+    if second is None:
+        what = f"{name}: #{found[2]} is no time in a log; write {found[1]}#t=12.5"
+        print(printable_lines(what), file=sys.stderr)
+        raise typer.Exit(2)
+    return Path(found[1]), float(second[1])
 
 
 def show_log(
