@@ -18,6 +18,8 @@ from measures.inside import in_process, loading, peers  # noqa: E402
 from measures.logs import log_cost, log_reading  # noqa: E402
 from measures.runs import (  # noqa: E402
     first_tick,
+    logged,
+    logged_in_process,
     placements,
     raw_rounds,
     rounds,
@@ -98,6 +100,16 @@ def main() -> None:
              log_cost(folder, 1000, False, repeats)),
             ("the same with --log-sensors all", "15 % in all",
              log_cost(folder, 1000, True, repeats)),
+            ("what a log delays 4 robots with 4 processes", "5 %", logged(folder, False, repeats)),
+            ("the same with --log-sensors all", "15 %", logged(folder, True, repeats)),
+            ("what a log delays 4 robots that are driven and read in process", "5 %",
+             logged_in_process(folder, 4, False, repeats, 20_000)),
+            ("the same with --log-sensors all", "15 %",
+             logged_in_process(folder, 4, True, repeats, 20_000)),
+            ("what a log delays 1000 robots that are driven and read in process", "5 %",
+             logged_in_process(folder, 1000, False, repeats, 300)),
+            ("the same with --log-sensors all", "15 %",
+             logged_in_process(folder, 1000, True, repeats, 300)),
             ("a log of 1000 robots with all that was sensed is read", "1 s, 50 ms",
              log_reading(folder)),
         ]  # fmt: skip

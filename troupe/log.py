@@ -297,6 +297,24 @@ class Log:
         bearings = np.linspace(float(first["angle_min"]), float(first["angle_max"]), samples)
         return Scans(times, ranges, bearings)
 
+    @cached_property
+    def scanners(self) -> list[tuple[str, int]]:
+        """The robots and indexes whose scans are kept, as `scans` takes them."""
+        numbers = {entry.topic: number for number, entry in enumerate(self.entries)}
+        found = []
+        for topic in self._reader.topics:
+            robot, _, noun = topic[1:].partition("/")
+            scan, _, index = noun.partition("_")
+            if robot in numbers and scan == "scan":
+                found.append((numbers[robot], int(index or 0)))
+        return [(self.entries[robot].name, index) for robot, index in sorted(found)]
+
+    def spans(self, time: float) -> bool:
+        """Whether a moment (s) lies in this part."""
+        start, end = self._span
+        at = nanoseconds(time) or 0
+        return (start is None or at >= start) and (end is None or at < end)
+
     def blobs(self, robot: str | int, index: int = 0) -> list[tuple[float, list[dict[str, Any]]]]:
         """What a robot's blobfinder saw: times (s), and each one's blobs; see Blob.msg."""
         topic = self._topic(robot, "blobs", index)

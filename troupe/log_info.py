@@ -20,7 +20,7 @@ def described(path: Path) -> Iterator[str]:
     world = f"{about.get('title', '')} ({about.get('world', '')})"
     yield f"{path}: {world}, seed {about.get('seed', '')}"
     if result is None:
-        yield "the run did not come to its end"
+        yield "the log ends before the run: how that ended is not known"
     else:
         outcome = OUTCOMES.get(result["outcome"], result["outcome"])
         yield f"{outcome}, {result['digest']}"

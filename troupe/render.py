@@ -9,7 +9,7 @@ from pathlib import Path
 
 from sim.interrupts import Interrupts
 from troupe.filmed import Filmed
-from troupe.usage import UsageError
+from troupe.usage import UsageError, check_apart
 
 
 def render(
@@ -33,6 +33,9 @@ def render(
 
     if filmed.video is None and filmed.picture is None:
         raise UsageError("there is nothing to be made: say --video FILE.mp4 or --picture FILE.png")
+    for target in (filmed.video, filmed.picture):
+        if target is not None:
+            check_apart(Path(target), log)
     interrupts = interrupts or Interrupts()
     playback = Playback(LogReader(log))
     warm_once(say)

@@ -6,6 +6,7 @@ import contextlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -159,6 +160,8 @@ def run_file(
         if recorder is not None:
             keep.append(recorder.line)
             recorder.complain = warn or say
+            drop = partial(recorder.finish, None, None)
+            ending.push(lambda kind, *_: drop() if kind and not begun else None)
 
         def after_tick(engine: Engine) -> None:
             if compiling.spans:  # once in a machine's life, and no part of a run's speed
@@ -276,9 +279,14 @@ def is_logged(loaded: LoadedWorld, path: str | Path | None) -> bool:
 def log_of(
     loaded: LoadedWorld, path: str | Path | None, sensors: Sequence[str] | None
 ) -> tuple[Path | None, Sequence[str]]:
-    """The log's file and sensors: as told, else as the world has it; None for no log."""
+    """The log's file and sensors: as told, else as the world has it; None for no log.
+
+    sensors: names, or one text with commas between them.
+    """
     asked = loaded.world.log
     if asked is not None:
         path = asked.file if path is None else path
         sensors = asked.sensors if sensors is None else sensors
+    if isinstance(sensors, str):
+        sensors = [name.strip() for name in sensors.split(",") if name.strip()]
     return None if path is None else Path(path), sensors or ()

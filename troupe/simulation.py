@@ -175,7 +175,10 @@ class Simulation(Observed):
         try:
             self._engine.begin()
         except BaseException:
-            self._end()
+            self._end.detach()
+            ended(self._engine, None)
+            if recorder is not None:
+                recorder.finish(None, None)
             raise
 
     def _has_processes(self) -> bool:

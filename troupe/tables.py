@@ -12,7 +12,8 @@ import numpy as np
 
 from player.printable import printable
 from troupe.log import Log
-from troupe.usage import UsageError
+from troupe.sweep.folder import aside
+from troupe.usage import UsageError, check_output
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,13 +38,14 @@ def frame(log: Log, table: str) -> pd.DataFrame:
 
 
 def export(log: Log, table: str, path: Path) -> int:
-    """Write a table to a .parquet or .csv file; how many rows. Raises UsageError, OSError."""
+    """Write a table to a .parquet or .csv file; how many rows. Raises UsageError, OSError.
+
+    A file that stands there stays as it is until all rows are there.
+    """
     parts = TABLES[known(table)](log)
-    if path.suffix.lower() == ".parquet":
-        return to_parquet(parts, path)
-    if path.suffix.lower() == ".csv":
-        return to_csv(parts, path)
-    raise UsageError(f"{path}: name the file *.parquet or *.csv")
+    target = check_output(path, tuple(WRITERS), "table", log.path)
+    with aside(target) as place:
+        return WRITERS[path.suffix.lower()](parts, place)
 
 
 def known(table: str) -> str:
@@ -70,13 +72,16 @@ def to_parquet(parts: Iterator[Columns], path: Path) -> int:
     writer, rows = None, 0
     try:
         for columns in parts:
-            table = arrow.table(columns)
+            texts = {
+                name: arrow.array(column, arrow.string())  # also where there are none yet
+                for name, column in columns.items()
+                if isinstance(column, list)
+            }
+            table = arrow.table({**columns, **texts})
             if writer is None:
                 writer = parquet.ParquetWriter(path, table.schema, compression="zstd")
             writer.write_table(table)
             rows += table.num_rows
-        if writer is None:
-            parquet.write_table(arrow.table({}), path)
     finally:
         if writer is not None:
             writer.close()
@@ -107,10 +112,18 @@ def plain(column: Any) -> list[Any]:
     ]  # fmt: skip
 
 
+WRITERS: dict[str, Callable[[Iterator[Columns], Path], int]] = {
+    ".parquet": to_parquet,
+    ".csv": to_csv,
+}
+"""By the ending of a file's name."""
+
+
 def windows(log: Log) -> Iterator[Log]:
-    """The log in parts that are not too large."""
+    """The log in parts that are not too large; at least one."""
     times = log.times
     if not len(times):
+        yield log
         return
     start, end = float(times[0]), float(times[-1])
     for number in range(math.floor((end - start) / PART) + 1):
@@ -153,32 +166,31 @@ def commands(log: Log) -> Iterator[Columns]:
 
 
 def scans(log: Log) -> Iterator[Columns]:
-    """A row for each ray of each scan."""
+    """A row for each ray of each scan. Raises UsageError where no scans were kept."""
+    if not log.scanners:
+        raise UsageError(
+            f"{log.path}: there are no scans in the log: `--log-sensors laser` keeps them"
+        )
     for part in windows(log):
-        for robot in log.robots:
-            for index in range(MOST_SCANNERS):
-                try:
-                    found = part.scans(robot, index)
-                except KeyError:
-                    break
-                count, samples = found.ranges.shape
-                yield {
-                    "time": np.repeat(found.times, samples),
-                    "robot": [robot] * (count * samples),
-                    "scanner": np.full(count * samples, index),
-                    "ray": np.tile(np.arange(samples), count),
-                    "bearing": np.tile(found.bearings, count),
-                    "range": found.ranges.reshape(-1),
-                }
-
-
-MOST_SCANNERS = 1000
+        for robot, index in log.scanners:
+            found = part.scans(robot, index)
+            count, samples = found.ranges.shape
+            yield {
+                "time": np.repeat(found.times, samples),
+                "robot": [robot] * (count * samples),
+                "scanner": np.full(count * samples, index),
+                "ray": np.tile(np.arange(samples), count),
+                "bearing": np.tile(found.bearings, count),
+                "range": found.ranges.reshape(-1),
+            }
 
 
 def events(log: Log) -> Iterator[Columns]:
     """A row for each thing that happened: entries, what was said, reported, printed, touches."""
     rows: list[tuple[float, str, str, str, str]] = []
-    rows += [(one.time, "entry", one.name, "", one.model) for one in log.entries]
+    rows += [
+        (one.time, "entry", one.name, "", one.model) for one in log.entries if log.spans(one.time)
+    ]
     rows += [(one.time, "said", one.robot, "", one.text) for one in log.said]
     rows += [(one.time, "property", one.robot, one.key, repr(one.value)) for one in log.properties]
     rows += [
@@ -190,8 +202,11 @@ def events(log: Log) -> Iterator[Columns]:
         for one in log.touches
     ]
     rows.sort(key=lambda row: row[0])
-    names = ("time", "kind", "robot", "key", "text")
-    yield {name: [row[k] for row in rows] for k, name in enumerate(names)}
+    texts = ("kind", "robot", "key", "text")
+    yield {
+        "time": np.array([row[0] for row in rows], float),
+        **{name: [row[k] for row in rows] for k, name in enumerate(texts, start=1)},
+    }
 
 
 TABLES: dict[str, Callable[[Log], Iterator[Columns]]] = {

@@ -7,11 +7,17 @@ import subprocess
 import sys
 from pathlib import Path
 from time import process_time
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from measures.worlds import ROOT, hall, world
 
+if TYPE_CHECKING:
+    from troupe.simulation import Simulation
+
+Floats = NDArray[np.float64]
 PEERS = (("navground", "C++, no forces, no blobfinder"), ("irsim", "Python, no blobfinder"))
 LOADING = """\
 import resource, sys
@@ -50,20 +56,31 @@ def in_process(
         turn = np.zeros(count)
         for _ in range(repeats + 1):
             began = process_time()
-            for _ in range(ticks):
-                sim.command(forward=0.4, turn=turn)
-                sim.step()
-                ranges = sim.readings("laser").ranges
-                sim.readings("blobfinder").counts  # noqa: B018 - it is made
-                if blind:
-                    turn = random.standard_normal(count) * 0.5
-                else:
-                    turn = np.where(ranges[:, 60:120].min(axis=1) > 1.5, 0.0, 0.8)
+            turn = drive(sim, turn, ticks, random if blind else None)
             speeds.append(0.1 * ticks / (process_time() - began))
     return (
         f"{float(f'{statistics.median(speeds[1:]):.3g}'):g} x real time",
         f"{ray(path):.1f} ns",
     )
+
+
+def drive(
+    sim: Simulation, turn: Floats, ticks: int, blindly: np.random.Generator | None = None
+) -> Floats:
+    """So many ticks, all sensors read in each; how fast robots are to turn next, (n,) rad/s.
+
+    They turn away from what their lasers show, or blindly, as a generator has it.
+    """
+    for _ in range(ticks):
+        sim.command(forward=0.4, turn=turn)
+        sim.step()
+        ranges = sim.readings("laser").ranges
+        sim.readings("blobfinder").counts  # noqa: B018 - it is made
+        if blindly is None:
+            turn = np.where(ranges[:, 60:120].min(axis=1) > 1.5, 0.0, 0.8)
+        else:
+            turn = blindly.standard_normal(len(turn)) * 0.5
+    return turn
 
 
 def ray(path: Path) -> float:

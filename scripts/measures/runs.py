@@ -1,4 +1,4 @@
-"""Whole runs through the command line: with controllers, watched, from nothing."""
+"""Whole runs: with controllers, watched, kept in a log, from nothing."""
 
 from __future__ import annotations
 
@@ -10,11 +10,17 @@ import statistics
 import subprocess
 import sys
 import threading
+from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
+import numpy as np
 from onlookers import look_on
 
+from measures.inside import drive
+from measures.pairs import pairs
 from measures.worlds import NO_BYTECODE, ROOT, hall, median_speed, raw_client, run_command, world
 
 
@@ -28,11 +34,13 @@ def watched(folder: Path, repeats: int, count: int = 4, viewers: int = 1) -> str
     """The price of pages that watch: pairs of runs, without them and with them."""
     duration = 12000 / count
     path = str(world(folder, "reader", duration, size=hall(count), count=count))
-    prices = []
-    for _ in range(max(5, repeats)):
-        alone = float(str(run_command(path)[0]["speed"]))
-        prices.append(100 * (1 - watched_speed(path, viewers) / alone))
-    return f"{statistics.median(prices):.1f} % of the speed"
+    speeds = pairs(
+        max(5, repeats),
+        lambda: float(str(run_command(path)[0]["speed"])),
+        lambda: watched_speed(path, viewers),
+    )
+    price = statistics.median(100 * (1 - watched / alone) for alone, watched in speeds)
+    return f"{price:.1f} % of the speed"
 
 
 def watched_speed(path: str, viewers: int) -> float:
@@ -49,6 +57,50 @@ def watched_speed(path: str, viewers: int) -> float:
     address = next(m[1] for line in run.stderr if (m := re.search(r"http://(\S+)", line)))
     threading.Thread(target=look_on, args=(address, viewers), daemon=True).start()
     return float(json.loads(run.communicate()[0])["speed"])
+
+
+def logged(folder: Path, sensors: bool, repeats: int, duration: float = 1000.0) -> str:
+    """How much longer a run of four robots with their processes takes that keeps a log.
+
+    From the start until the log is whole, by the wall clock, over the time of the ticks.
+    """
+    import troupe  # noqa: PLC0415 - after the path is set
+
+    path = world(folder, "reader", duration, size=hall(4), count=4)
+
+    def run(**log: Any) -> tuple[float, float]:
+        began = perf_counter()
+        ticks = troupe.run(path, **log).wall_time
+        return perf_counter() - began, ticks
+
+    found = pairs(max(5, repeats), run, partial(run, **kept(folder, sensors)))
+    return longer((after - before) / ticks for (before, ticks), (after, _) in found)
+
+
+def logged_in_process(folder: Path, count: int, sensors: bool, repeats: int, ticks: int) -> str:
+    """The same of robots without processes, which are driven and read from Python."""
+    import troupe  # noqa: PLC0415 - after the path is set
+
+    path = world(folder, "null", 1e6, size=hall(count), count=count)
+
+    def run(**log: Any) -> float:
+        with troupe.Simulation(path, seed=1, controllers=False, **log) as sim:
+            turn = drive(sim, np.zeros(count), 20)
+            began = perf_counter()
+            drive(sim, turn, ticks)
+        return perf_counter() - began
+
+    found = pairs(max(5, repeats), run, partial(run, **kept(folder, sensors)))
+    return longer(after / before - 1 for before, after in found)
+
+
+def kept(folder: Path, sensors: bool) -> dict[str, Any]:
+    """What `troupe.run` and `troupe.Simulation` are told of a log, which each run writes anew."""
+    return {"log": folder / "kept.mcap", "log_sensors": ["all"] if sensors else []}
+
+
+def longer(shares: Iterable[float]) -> str:
+    return f"{statistics.median(shares):.1%} longer"
 
 
 def rounds(folder: Path, controller: str, repeats: int) -> str:

@@ -165,12 +165,19 @@ def compressor(stride: int) -> zstandard.ZstdCompressor:
 
 
 class LogFile:
-    """A file that is being written. Whatever call it dies in, all that it has written stands."""
+    """A file that is being written. Whatever call it dies in, all that it has written stands.
+
+    Until it has begun, with its first chunk, what stood in the file before stands there.
+    """
 
     def __init__(self, path: Path, library: str) -> None:
         self.path = path
-        self.descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        self.was_there = path.exists()
+        self.descriptor = os.open(path, os.O_WRONLY | os.O_CREAT, 0o666)
         self.at = 0
+        self.begun = False
+        self.beginning = bytearray()
+        """What is written first."""
         self.tail = Tail()
         self.channels = Channels()
         self.dense, self.swift = compressor(0), compressor(STRIDE)
@@ -179,19 +186,32 @@ class LogFile:
     def append(self, *parts: bytes | memoryview) -> int:
         """Write at the end, all or nothing; where it begins. Raises OSError."""
         start = self.at
+        if self.begun:
+            self._write(start, *parts)
+        else:
+            for part in parts:
+                self.beginning += part
+        self.at += sum(map(len, parts))
+        return start
+
+    def begin(self) -> None:
+        """Write in the place of what stood in the file from now on. Raises OSError."""
+        if not self.begun:
+            os.ftruncate(self.descriptor, 0)
+            self._write(0, self.beginning)
+            self.begun = True
+
+    def _write(self, start: int, *parts: bytes | bytearray | memoryview) -> None:
+        """Write at the file's end, which is at `start`; what cannot be written whole is not."""
         try:
             for part in parts:
                 view = memoryview(part)
                 while view:
-                    done = os.write(self.descriptor, view)
-                    view = view[done:]
-                    self.at += done
+                    view = view[os.write(self.descriptor, view) :]
         except OSError:
-            self.at = start
             os.ftruncate(self.descriptor, start)
             os.lseek(self.descriptor, start, os.SEEK_SET)
             raise
-        return start
 
     def attach(self, name: str, kind: str, data: bytes) -> None:
         """Write an attachment, such as the world."""
@@ -222,6 +242,7 @@ class LogFile:
         """
         if not page.count:
             return
+        self.begin()
         notes = page.notes[: page.count]
         indexes = message_indexes(notes["channel"], notes["time"], notes["offset"])
         data = page.memory[: page.size].data
@@ -248,7 +269,11 @@ class LogFile:
 
     def finish(self) -> None:
         """Write the summary; the file is whole. Raises OSError."""
+        self.begin()
         self.append(self.tail.bytes(self.at))
 
     def close(self) -> None:
+        """Close the file. One that has not begun is as it was before, or gone if there was none."""
         os.close(self.descriptor)
+        if not (self.begun or self.was_there):
+            self.path.unlink(missing_ok=True)

@@ -49,7 +49,7 @@ class News:
         self._states: list[Any] = []
         self._colors: list[int] = []
         self._drawn: dict[int, list[Any]] = {}
-        self._layout = loaded.layout  # as walls and map have told it, and when
+        self._layout: Layout | None = None  # as walls and map have told it, and when
         self._surveyed = -SURVEY
         self._flags: Any = self
         self._known = (-1, -1)  # changes and ends that there had been when one last looked
@@ -125,10 +125,11 @@ class News:
         return events
 
     def survey(self, layout: Layout, events: list[Event], last: bool) -> None:
-        """Events of what stands, which hands have moved."""
+        """Events of what stands: at the start, and where hands have moved it."""
         if last or self.time >= self._surveyed + SURVEY:
-            self._layout, self._surveyed = layout, self.time
-            events += [wall_event(layout, self.time), map_event(layout, self.time)]
+            time = 0.0 if self._layout is None else self.time
+            self._layout, self._surveyed = layout, time
+            events += [wall_event(layout, time), map_event(layout, time)]
 
     def changed(self, engine: Engine, events: list[Event]) -> None:
         """Events of what else is new besides the bodies' motion."""

@@ -75,6 +75,8 @@ class LogReader:
 
     def damaged(self, error: Exception | str) -> LogError:
         """What is said of a file that is broken inside."""
+        if isinstance(error, LogError):
+            return error
         return LogError(
             f"{self.path}: the log is damaged ({error}): "
             f"`troupe log recover` saves what can be read of it"

@@ -14,11 +14,10 @@ from sim.log import commands
 from sim.log.errors import LogError
 from sim.log.events import News
 from sim.log.moment import Floor, Painted, Touched
-from sim.log.scene import map_event, wall_event
 from sim.log.sensed import ALL, Sensed
 from sim.log.tape import WATCH, Sheet, Source, Tape
 from sim.log.world import attachments
-from sim.log.writer import LogWriter
+from sim.log.writer import LogWriter, check_place
 from sim.strictjson import dumps
 
 if TYPE_CHECKING:
@@ -52,8 +51,7 @@ def open_log(
         for name, kind, data in attachments(loaded):
             writer.attach(name, kind, data)
     except LogError:
-        writer.close({})
-        path.unlink(missing_ok=True)
+        writer.drop()
         raise
     return Recorder(writer, loaded, frozenset(sensors))
 
@@ -72,8 +70,7 @@ def check_request(path: Path, loaded: LoadedWorld, sensors: Sequence[str]) -> No
         if name != ALL and name not in known and name not in own:
             allowed = ", ".join([ALL, *known])
             raise LogError(f"log sensors: there is no {name!r}; allowed: {allowed}")
-    if path.suffix.lower() != ".mcap":
-        raise LogError(f"{path}: a log is an MCAP file: name it *.mcap")
+    check_place(path)
 
 
 class Recorder:
@@ -99,8 +96,6 @@ class Recorder:
         self.low = loaded.layout.low
         self.keeps_readings = bool(sensors)
         self.wants_odometry = self.sensed.wants("odometry")
-        for event in (wall_event(loaded.layout), map_event(loaded.layout)):
-            writer.put(event)
 
     def line(self, text: str) -> None:
         """Keep a line that was meant for people, of whatever thread."""
@@ -184,8 +179,12 @@ class Recorder:
         return Sheet(self.news.names, sources, stage.records, self.commands, self.movables, read)
 
     def finish(self, engine: Engine | None, result: Result | None) -> None:
-        """Write the rest and the result; the file is whole."""
-        if engine is not None and self.writer.error is None:
+        """Write the rest and the result; the file is whole. Of a run that failed before its
+        first tick nothing is kept: what stood in the file stands there."""
+        if engine is None or (result is None and not engine.ticks):
+            self.writer.drop()
+            return
+        if self.writer.error is None:
             for event in self.news.since(engine, last=True):
                 self.writer.put(event)
         rest = {} if result is None else {"result.json": dumps(result.as_json()).encode()}

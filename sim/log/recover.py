@@ -15,7 +15,7 @@ from sim.log.container import CHUNK_HEAD, MAGIC, LogFile
 from sim.log.errors import LogError
 from sim.log.page import PREFIX, message_indexes
 from sim.log.source import DAMAGES, RECORD, Source, check_ours, parsed, unpack
-from sim.log.writer import reason
+from sim.log.writer import check_place, reason
 
 COPIED = (Opcode.HEADER, Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.METADATA)
 """Records that are taken over; indexes are made anew."""
@@ -34,6 +34,7 @@ def recover(source: Path, target: Path) -> Recovered:
     """Write what can be read of a log to a new file. Raises LogError where nothing can be."""
     if target.exists():
         raise LogError(f"{target}: there is such a file already: name another with -o")
+    check_place(target)
     data = Source(source)
     out: LogFile | None = None
     lost, at = 0, len(MAGIC)
@@ -52,6 +53,7 @@ def recover(source: Path, target: Path) -> Recovered:
             if opcode == Opcode.HEADER:
                 library = parsed(mcap.Header, body).library
                 out = LogFile(target, library)
+                out.begin()
             elif out is None:
                 break
             elif opcode == Opcode.CHUNK:
@@ -62,8 +64,11 @@ def recover(source: Path, target: Path) -> Recovered:
                 except DAMAGES:
                     lost += end - at
             elif opcode == Opcode.ATTACHMENT:
-                one = parsed(mcap.Attachment, body)
-                out.attach(one.name, one.media_type, one.data)
+                try:
+                    one = parsed(mcap.Attachment, body)
+                    out.attach(one.name, one.media_type, one.data)
+                except DAMAGES:
+                    lost += end - at
             elif opcode == Opcode.METADATA:
                 note = parsed(mcap.Metadata, body)
                 if note.name == "troupe":

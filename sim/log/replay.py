@@ -87,6 +87,8 @@ def check(reader: LogReader, told_digest: str | None) -> Verdict:
             if wrong is not None:
                 which, difference = wrong
                 return Verdict(tick, "", told_digest, tick, called[which], difference)
+    if not tick:
+        raise LogError(f"{reader.path}: the run has no tick in it: there is nothing to run again")
     return Verdict(tick, "sha256:" + digest.hexdigest(), told_digest)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import zstandard
+from mcap import records as mcap
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 
@@ -135,5 +136,9 @@ def each_record(data: bytes) -> Iterator[tuple[int, memoryview]]:
 
 
 def parsed(kind: Any, record: memoryview) -> Any:
-    """A record's content, as the library `mcap` reads it."""
+    """A record's content, as the library `mcap` reads it; ValueError for a damaged attachment."""
+    if kind is mcap.Attachment:
+        (crc,) = struct.unpack("<I", record[-4:])
+        if crc and zlib.crc32(record[:-4]) != crc:
+            raise ValueError("the checksum of an attachment is wrong")
     return kind.read(ReadDataStream(io.BytesIO(record)))

@@ -18,6 +18,8 @@ from sim.log.page import Page
 from sim.log.stretches import stretch
 from sim.log.tape import Sheet, Tape
 from sim.log.tick_messages import TickMessages
+from sim.video.errors import VideoError
+from sim.video.target import check_target
 
 FORMAT = 2
 """Of what a log holds: a reader refuses later ones. 1 had a message of commands for each tick."""
@@ -32,9 +34,20 @@ FIRST_TAPE, TAPE, ROWS = 1 << 16, 1 << 20, 8
 """Bytes of the first tape of a sheet, and of the next ones; for how many rows one has room, where
 these are not longer than a chunk."""
 
+ENDING = ".mcap"
 NO_MEMORY = np.empty(0, np.uint8)
 
 Item = Tape | Event | Floor | Painted | Touched
+
+
+def check_place(path: Path) -> None:
+    """Raises LogError where no log can be written; nothing is written yet."""
+    if path.suffix.lower() != ENDING:
+        raise LogError(f"{path}: a log is an MCAP file: name it *{ENDING}")
+    try:
+        check_target(path, endings=(ENDING,), what="log")
+    except VideoError as error:
+        raise LogError(str(error)) from None
 
 
 class LogWriter:
@@ -111,6 +124,11 @@ class LogWriter:
         self._closing = True
         self._full.set()
         self._thread.join()
+
+    def drop(self) -> None:
+        """End the thread, and close the file as it stands: no run has come of it."""
+        self.stop()
+        self.file.close()
 
     def close(self, attachments: Mapping[str, bytes]) -> None:
         """Write what waits, the attachments (JSON, by name) and the summary; close the file."""

@@ -12,6 +12,8 @@ from typer.testing import CliRunner
 
 import troupe
 from sim.log.container import LogFile
+from sim.log.errors import LogError
+from sim.log.recover import recover
 from troupe.app import app
 
 WORLD = {
@@ -112,6 +114,43 @@ def test_a_log_whose_run_cannot_be_repeated_is_told(
     without_a_seed(Path("lame.mcap"), whole)
     told = refused(command, Path("lame.mcap"))
     assert "its seed cannot be read" in told or "no robot has entered" in told
+
+
+def test_a_damaged_attachment_is_told_and_left_behind(whole: Path, tmp_path: Path) -> None:
+    data = whole.read_bytes()
+    assert data.count(b'"outcome"') == 1
+    broken, saved = tmp_path / "broken.mcap", tmp_path / "saved.mcap"
+    broken.write_bytes(data.replace(b'"outcome"', b'"income!"'))
+    with pytest.raises(LogError, match="damaged \\(the checksum of an attachment is wrong\\)"):
+        troupe.Log(broken).result  # noqa: B018 - it is read now
+    assert len(troupe.Log(broken).poses) == 3
+    assert recover(broken, saved).lost > len('"outcome"')
+    assert troupe.Log(saved).result is None
+    assert troupe.Log(saved).poses.tobytes() == troupe.Log(whole).poses.tobytes()
+
+
+def test_damage_is_told_once(whole: Path, tmp_path: Path) -> None:
+    data = bytearray(whole.read_bytes())
+    chunk = troupe.Log(whole)._reader.entries("/troupe/state")[0][0]
+    (at,) = chunk.places["offset"][:1]
+    data[at] = 0  # the opcode of an index
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(data)
+    (topic,) = (
+        name
+        for name, (channel, _) in troupe.Log(whole)._reader.topics.items()
+        if channel == chunk.places["channel"][0]
+    )
+    with pytest.raises(LogError) as told:
+        list(troupe.Log(broken)._reader.messages(topic))
+    assert str(told.value).count("damaged") == 1
+
+
+@pytest.mark.parametrize("command", ["check", "render", "report", "view"])
+def test_a_log_without_a_tick_is_told(tmp_path: Path, command: str) -> None:
+    path = tmp_path / "run.mcap"
+    troupe.Simulation(WORLD, log=path).close()
+    assert "the run has no tick in it: there is nothing to" in refused(command, path)
 
 
 def refused(command: str, path: Path) -> str:

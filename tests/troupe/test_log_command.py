@@ -106,6 +106,75 @@ def test_the_ends_of_a_part_may_be_any_numbers_and_nothing_else(run, tmp_path: P
     assert command("export", str(run[0]), "-o", out, "--until", "inf").exit_code == 0
 
 
+@pytest.mark.parametrize("table", ["poses", "commands", "scans", "events"])
+def test_a_table_of_a_time_when_nothing_was_has_its_columns(
+    run, tmp_path: Path, table: str
+) -> None:
+    pandas = pytest.importorskip("pandas")
+    frames = []
+    for span in (["--from", "99"], ["--until", "11.5"]):
+        for name in ("x.csv", "x.parquet"):
+            words = ["export", str(run[0]), "-o", str(tmp_path / name), "--table", table, *span]
+            done = command(*words)
+            assert done.exit_code == 0, done.output
+        frames += [pandas.read_csv(tmp_path / "x.csv"), pandas.read_parquet(tmp_path / "x.parquet")]
+    assert [len(frame) for frame in frames[:2]] == [0, 0]
+    assert min(len(frame) for frame in frames[2:]) > 0
+    assert len({tuple(frame.columns) for frame in frames}) == 1
+    assert (frames[1].dtypes == frames[3].dtypes).all()
+
+
+def test_events_are_those_of_the_time_that_is_asked_for(run) -> None:
+    log = troupe.Log(run[0])
+    late = log.entries[-1].time
+    assert late > 0.0
+    for part in (log[late:], log[:late]):
+        times = part.to_dataframe("events")["time"].to_numpy()
+        kinds = part.to_dataframe("events")["kind"].tolist()
+        assert all(part.spans(time) for time in times)
+        assert "entry" in kinds
+
+
+def test_a_table_that_cannot_be_is_told(run, tmp_path: Path) -> None:
+    path, out = tmp_path / "bare.mcap", tmp_path / "x.csv"
+    out.write_text("kept")
+    troupe.run(run[0].parent / "world.yaml", duration=0.5, log=path)
+    for words, told in (
+        (["--table", "scans"], "there are no scans in the log: `--log-sensors laser` keeps them"),
+        (["--from", "5", "--until", "2"], "--until 2: must be later than --from 5"),
+        (["--from", "5", "--until", "5"], "--until 5: must be later than --from 5"),
+        (["--table", "dreams"], "no table 'dreams'"),
+    ):
+        done = command("export", str(path), "-o", str(out), *words)
+        assert done.exit_code == 2, done.output
+        assert told in done.stderr
+        assert out.read_text() == "kept"
+
+
+def test_robots_that_come_late_are_in_a_table_of_long_ago(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    world = {
+        "size": [9, 9],
+        "duration": 65,
+        "models": {"m": {"body": {"shape": "circle", "radius": 0.3}}},
+        "robots": [],
+        "doors": [{"name": "late", "at": [5, 5], "model": "m", "period": 63}],
+    }
+    path, out = tmp_path / "run.mcap", tmp_path / "poses.parquet"
+    assert tables.PART < 63
+    troupe.run(world, log=path)
+    done = command("export", str(path), "-o", str(out))
+    assert done.exit_code == 0, done.output
+    assert pandas.read_parquet(out)["robot"].unique().tolist() == ["late1"]
+
+
+def test_sensors_of_a_log_may_be_one_text(run, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    world = run[0].parent / "world.yaml"
+    troupe.run(world, duration=0.3, log=path, log_sensors="laser, odometry")
+    assert {"/one/scan", "/one/odom"} <= set(troupe.Log(path)._reader.topics)
+
+
 def test_a_log_holds_what_was_said_printed_sensed_and_painted(run) -> None:
     path, result = run
     log = troupe.Log(path)

@@ -75,10 +75,10 @@ def export(
         from troupe.log import Log  # noqa: PLC0415
         from troupe.tables import export as export_table  # noqa: PLC0415
 
-        whole = Log(path)
-        part = whole if start is None and until is None else whole[start:until]
-        rows = export_table(part, table, output)
-        print(f"{output}: {rows} rows of {table}", file=sys.stderr)
+        if start is not None and until is not None and until <= start:
+            raise UsageError(f"--until {until:g}: must be later than --from {start:g}")
+        rows = export_table(Log(path)[start:until], table, output)
+        print(printable(f"{output}: {rows} rows of {table}"), file=sys.stderr)
         return 0
 
     carried_out(write)
@@ -141,7 +141,7 @@ def recover(
         target = output or path.with_name(f"{path.stem}-recovered.mcap")
         saved = save_log(path, target)
         more = f"; {saved.lost} bytes were damaged" if saved.lost else ""
-        print(f"{target}: {saved.messages} messages up to {saved.until:.1f} s{more}")
+        print(printable(f"{target}: {saved.messages} messages up to {saved.until:.1f} s{more}"))
         return 0
 
     carried_out(save)

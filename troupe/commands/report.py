@@ -127,7 +127,7 @@ def of_log(log: Path, out: Path, given: list[str]) -> None:
     try:
         if given:
             raise UsageError(f"{given[0]}: {log} is the log of one run, and no sweep")
-        check_page(out)
+        check_page(out, log)
         write_report(Log(log), out)
     except (UsageError, LogError) as error:
         print(printable_lines(str(error)), file=sys.stderr)

@@ -141,7 +141,7 @@ def run(
         picture=picture,
         at=at,
         log=log,
-        log_sensors=None if log_sensors is None else parse_names(log_sensors),
+        log_sensors=log_sensors,
         report=report,
     )
 
@@ -265,8 +265,3 @@ def show(done: Run, as_json: bool, video: Path | None, picture: Path | None) -> 
             made = (video, picture) if done.video_error is None else (None, None)
             print(summary(done.result, *made))
         sys.stdout.flush()
-
-
-def parse_names(text: str) -> list[str]:
-    """Names between commas."""
-    return [name.strip() for name in text.split(",") if name.strip()]

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 
 from sim.log.playback import Playback
-from sim.video.errors import VideoError
-from sim.video.target import check_target
 from troupe.log import Log
 from troupe.report.charts import Mark, Series, chart, escaped, number, time_line
 from troupe.report.html import MOST_ROWS, figure, page, preformatted, table
@@ -20,7 +18,7 @@ from troupe.report.measures import measure
 from troupe.report.stills import pictures
 from troupe.summary import OUTCOMES, counted
 from troupe.sweep.folder import write_aside
-from troupe.usage import UsageError
+from troupe.usage import UsageError, check_output
 
 MOST_LINED, MOST_MARKS = 40, 1500
 """Robots on the time line, and marks on it."""
@@ -28,14 +26,11 @@ LAST_LINES = 5
 ENDINGS = (".html", ".htm")
 
 
-def check_page(path: Path) -> None:
-    """Raises UsageError for a page that cannot be asked for."""
+def check_page(path: Path, *sources: Path) -> None:
+    """Raises UsageError for a page that cannot be asked for, or that is one of its `sources`."""
     if path.suffix.lower() not in ENDINGS:
         raise UsageError(f"{path}: the report of a run is a page: name it *.html")
-    try:
-        check_target(path, endings=ENDINGS, what="report")
-    except VideoError as error:
-        raise UsageError(str(error)) from error
+    check_output(path, ENDINGS, "report", *sources)
 
 
 def write_report(log: Log, path: Path) -> None:

@@ -72,18 +72,27 @@ def write_aside(path: Path, data: bytes) -> None:
 
     Raises OSError that names the file as it was asked for.
     """
-    aside = path.with_name(f"{path.name}.{platform.node()}-{os.getpid()}.tmp")
+    with aside(path) as place, place.open("wb") as file:
+        file.write(data)
+
+
+@contextlib.contextmanager
+def aside(path: Path) -> Iterator[Path]:
+    """Where to write a file, which then gets its name, unless there was an error.
+
+    Raises OSError that names the file as it was asked for.
+    """
+    place = path.with_name(f"{path.name}.{platform.node()}-{os.getpid()}.tmp")
     try:
-        with aside.open("wb") as file:
-            file.write(data)
-            file.flush()
+        yield place
+        with place.open("rb") as file:
             os.fsync(file.fileno())
-        os.replace(aside, path)
+        os.replace(place, path)
     except BaseException as error:
         with contextlib.suppress(OSError):
-            aside.unlink()
+            place.unlink()
         if isinstance(error, OSError):
-            raise OSError(error.errno, error.strerror, str(path)) from error
+            raise OSError(error.errno, error.strerror or str(error), str(path)) from error
         raise
     sync_folder(path.parent)
 
