@@ -99,19 +99,6 @@ def segments(
     return found
 
 
-def segments_in(
-    found: Iterable[Segment], bearings: NDArray[np.float64], sighting: Sighting, slack: float
-) -> list[Segment]:
-    """The segments whose middle lies in a sighting's bearings, `slack` radians more each side."""
-    return [
-        segment
-        for segment in found
-        if sighting.right - slack
-        <= 0.5 * (bearings[segment.first] + bearings[segment.last])
-        <= sighting.left + slack
-    ]
-
-
 def free_ahead(
     ranges: NDArray[np.float64], bearings: NDArray[np.float64], half_width: float
 ) -> float:

@@ -23,8 +23,16 @@ RECEIVE_SIZE = 1 << 14
 FLUSH_SIZE = 1 << 16
 """Bytes in the queue from which on it is to be sent."""
 
+LONGEST = 1e6
+"""Seconds; the system keeps no longer limits of time than some weeks: what is longer is none."""
+
 LEAST_WAIT = 1e-3
 """Seconds; a socket timeout of zero would mean not to wait at all."""
+
+
+def limit_of(seconds: float | None) -> float | None:
+    """A limit of time that can be kept; None: for ever."""
+    return None if seconds is None or seconds > LONGEST else seconds
 
 
 class Deadline:
@@ -38,7 +46,7 @@ class Deadline:
     __slots__ = ("limit", "over", "until", "what")
 
     def __init__(self, limit: float | None, what: Callable[[], str]) -> None:
-        self.limit = limit
+        self.limit = limit = limit_of(limit)
         self.until = None if limit is None else monotonic() + limit
         self.over = False
         self.what = what
@@ -82,7 +90,7 @@ class Link:
 
     def _connect(self, host: str, port: int, timeout: float | None) -> socket.socket:
         try:
-            sock = socket.create_connection((host, port), timeout=timeout)
+            sock = socket.create_connection((host, port), timeout=limit_of(timeout))
         except TimeoutError:
             raise PlayerTimeout(
                 f"{self.address} did not take the connection within {timeout} s"
@@ -137,7 +145,7 @@ class Link:
         if self._waits is not None:
             self._set_timeout(None)
         if timeout != self._limit:
-            self._limit_time(timeout)
+            self._limit_time(limit_of(timeout))
         queue = self._queue
         queue.append(message)
         data = b"".join(queue)
@@ -246,7 +254,8 @@ class Link:
         Raises PlayerTimeout where the server takes nothing for `timeout` seconds (None: wait for
         ever). The connection is over then: half of a message may have gone out.
         """
-        self._set_timeout(None if timeout is None else max(timeout, LEAST_WAIT))
+        limit = limit_of(timeout)
+        self._set_timeout(None if limit is None else max(limit, LEAST_WAIT))
         try:
             self._socket.sendall(data)
         except (BrokenPipeError, ConnectionResetError):

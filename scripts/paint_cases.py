@@ -29,13 +29,7 @@ from sim.result import Result  # noqa: E402
 
 KINDS = ("case_1", "case_2", "case_3", "line", "tall", "convex", "swarm_8", "swarm_12", "swarm_16")
 NOISE = "models.painter.odometry_noise={slip: 0.02, turn: 0.02}"
-NOISY = (
-    ("paint_case_1", "0:5"),
-    ("paint_case_2", "0:6"),
-    ("paint_case_3", "0,1,5,6,7"),
-    ("paint_tall", "3"),
-)
-"""Worlds and seeds of the runs whose odometry drifts."""
+"""What is set in the runs of scripts/paint/noise.csv, whose odometry drifts."""
 TESTS = 5
 """Tests of a case, in scripts/paint/cases.csv."""
 
@@ -152,15 +146,15 @@ def main() -> None:
     out = given.out / "paint"
     how = ("--jobs", str(given.jobs), "--judge", JUDGE)
     table = ROOT / "scripts" / "paint" / "cases.csv"
-    sweep(given.folder / "cases", "paint_case_1", "--table", table, *how)
+    sweep(given.folder / "cases", "--table", table, *how)
     keep_cases(given.folder / "cases", out, pictures=given.pictures)
     videos = ("--video-of", "first") if given.pictures else ()
     names = [f"paint_{kind}" for kind in given.worlds]
     if names:
         sweep(given.folder / "worlds", *names, *how, *videos)
         keep_worlds(given.folder / "worlds", out, given.worlds, pictures=given.pictures)
-    for world, seeds in NOISY:
-        sweep(given.folder / "noise", world, "--seeds", seeds, "--set", NOISE, *how)
+    noisy = ROOT / "scripts" / "paint" / "noise.csv"
+    sweep(given.folder / "noise", "--table", noisy, "--set", NOISE, *how)
     keep_noise(given.folder / "noise", out)
     keep_perception(given.scenes, out)
     keep_about(out, {"tests": TESTS, "scenes": given.scenes})

@@ -80,7 +80,12 @@ class Entry:
         self.crew.drivers.enter(robot)
         if function is not None:
             client = DirectClient(
-                name, robot_seed(self.seed, name), robot.port, self.sensing.read, self.context
+                name,
+                robot_seed(self.seed, name),
+                robot.port,
+                self.sensing.read,
+                self.switchboard.note_answer,
+                self.context,
             )
             self.functions.add(index, client, function)
         if self.held is not None and self.ports.serves(robot):

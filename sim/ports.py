@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from player.codes import DEFAULT_PORT, DeviceAddr
+from player.directory import Directory
 from player.server import Server
 from sim.devices.device import Context, Device
 from sim.devices.simulation import Simulation
@@ -159,11 +160,7 @@ class Ports:
                 f"listening on {self.host}: anybody who reaches this address can drive the robots"
             )
         if wanted > LAST_PORT:
-            raise OSError(
-                f"cannot listen on {self.host}:{wanted}: the robots' ports begin at {self.base}, "
-                f"and {LAST_PORT} is the last one there is. Begin lower, or use "
-                "`player: {layout: shared}` in the world file"
-            )
+            raise beyond(self.host, wanted, self.base)
         try:
             _, number = self.server.listen(self.host, wanted, port.directory)
         except OSError as error:
@@ -172,6 +169,36 @@ class Ports:
             self.say(f"{error}: a free port is taken instead")
             _, number = self.server.listen(self.host, 0, port.directory)
         return number
+
+
+def beyond(host: str, port: int, base: int | None) -> OSError:
+    """There is no such port for a robot."""
+    return OSError(
+        f"cannot listen on {host}:{port}: the robots' ports begin at {base}, "
+        f"and {LAST_PORT} is the last one there is. Begin lower, or use "
+        "`player: {layout: shared}` in the world file"
+    )
+
+
+def try_ports(player: Player, listen: tuple[str, int] | None, robots: int) -> None:
+    """Raises OSError where so many robots could not be served at the start; nothing stays open.
+
+    For those who have something to lose when a run cannot begin.
+    """
+    host, base = listen or (player.host, player.port)
+    if base is None:
+        return
+    one = player.layout == "shared" or base == 0
+    for port in range(base, base + (1 if one else max(1, robots))):
+        if port > LAST_PORT:
+            raise beyond(host, port, base)
+        try_address(host, port)
+
+
+def try_address(host: str, port: int) -> None:
+    """Raises OSError where nobody can listen there."""
+    with Server() as server:
+        server.listen(host, port, Directory())
 
 
 def reachable(host: str) -> str:

@@ -93,6 +93,8 @@ def copy_examples(chosen: Iterable[tuple[Example, Path]]) -> list[Path]:
     """
     copies = [(file, folder / file.name) for example, folder in chosen for file in example.files]
     for _, target in copies:
+        if target.parent.exists() and not target.parent.is_dir():
+            raise UsageError(f"{target.parent}: is not a folder; nothing was copied")
         if os.path.lexists(target):
             raise UsageError(f"{target}: is there already; nothing was copied")
     for file, target in copies:

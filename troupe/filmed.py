@@ -47,6 +47,11 @@ class Filmed:
         if self.at is not None and self.picture is None:
             raise UsageError("at: there is no picture to be made; name its file, as run.png")
 
+    @property
+    def wanted(self) -> bool:
+        """Whether anything is to be made."""
+        return self.picture is not None or self.video is not None
+
     def open(
         self,
         loaded: LoadedWorld,
@@ -59,7 +64,7 @@ class Filmed:
         `ending`: what may have to be done at the end goes there. Where that comes with an error
         before all has `begun`, no file stays.
         """
-        if self.picture is None and self.video is None:
+        if not self.wanted:
             return None
         from sim.filming import Film, open_recorder, open_still  # noqa: PLC0415
         from sim.video.layers import parse_layers  # noqa: PLC0415

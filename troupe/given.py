@@ -30,7 +30,7 @@ def checked_seed(seed: int) -> int:
 def checked_seconds(option: str, given: float) -> float:
     """A number above 0 that can be; raises UsageError that names the option."""
     if not is_finite(given) or given <= 0:
-        raise UsageError(f"{option}: must be above 0 (given: {shown(given)})")
+        raise UsageError(f"{option}: must be above 0 and finite (given: {shown(given)})")
     return float(given)
 
 
@@ -38,7 +38,8 @@ def checked_patience(patience: float) -> float:
     """Seconds that controllers may take, infinite for 0; raises UsageError."""
     if not is_finite(patience) or patience < 0:
         raise UsageError(
-            f"patience: must be above 0, or 0 to wait for ever (given: {shown(patience)})"
+            "patience: must be finite and above 0, or 0 to wait for ever "
+            f"(given: {shown(patience)})"
         )
     return float(patience) or math.inf
 

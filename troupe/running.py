@@ -117,6 +117,7 @@ def run_file(
     with contextlib.ExitStack() as ending:
         ending.push(lambda kind, *_: fleet.close() if kind and not begun else None)
         from sim.engine import Settings  # noqa: PLC0415
+        from sim.ports import try_address, try_ports  # noqa: PLC0415
         from sim.rehearsal import is_served, rehearse  # noqa: PLC0415
         from sim.run import run_world  # noqa: PLC0415
         from troupe.compiling import Compiling  # noqa: PLC0415
@@ -146,9 +147,13 @@ def run_file(
             from troupe.report.log import check_page  # noqa: PLC0415
 
             check_page(Path(report))
-            if log_of(loaded, log, None)[0] is None:  # a report is made of a log
+            if not is_logged(loaded, log):  # a report is made of a log
                 folder = ending.enter_context(TemporaryDirectory(prefix="troupe-report-"))
                 log = Path(folder) / "run.mcap"
+        window = None if view is None else view(not filmed.wanted and not is_logged(loaded, log))
+        if window is not None:
+            try_address(window.host, window.port)
+        try_ports(loaded.world.player, address, len(loaded.robots))
         film = filmed.open(loaded, ending, say, lambda: begun)
         recorder = open_log_of(loaded, told, log, log_sensors, as_text(settings))
         if recorder is not None:
@@ -163,9 +168,8 @@ def run_file(
             if each_tick is not None:
                 each_tick(engine)
 
-        window = None
-        if view is not None:
-            window = ending.enter_context(view(film is None and recorder is None))
+        if window is not None:
+            ending.enter_context(window)
 
         def meanwhile(engine: Engine) -> None:
             if window is not None:
@@ -262,6 +266,11 @@ def check_log(loaded: LoadedWorld, path: str | Path | None, sensors: Sequence[st
         check_request(found, loaded, names)
     elif names:
         raise UsageError("log sensors: there is no log to be written; name its file: run.mcap")
+
+
+def is_logged(loaded: LoadedWorld, path: str | Path | None) -> bool:
+    """Whether a log is written of a run."""
+    return log_of(loaded, path, None)[0] is not None
 
 
 def log_of(

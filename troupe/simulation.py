@@ -32,6 +32,7 @@ from sim.fleet.fleet import Fleet
 from sim.fleet.functions import Controllers, FunctionError
 from sim.fleet.idle import NoFleet
 from sim.fleet.launching import kind_of
+from sim.ports import try_ports
 from sim.rehearsal import is_served, rehearse
 from troupe.address import Address, parse_address
 from troupe.driving import Driving, Robots
@@ -150,6 +151,8 @@ class Simulation(Observed):
 
     def _begin(self) -> None:
         """A new engine at tick 0, with the robots that are there from the start."""
+        told = self._settings
+        try_ports(self._loaded.world.player, told.listen, len(self._loaded.robots))
         recorder = self._kept.open(self._loaded, self._settings, self._say)
         say = self._say if recorder is None else both(self._say, recorder.line)
         fleet: Any = Fleet(show=say) if self._has_processes() else NoFleet()

@@ -140,7 +140,7 @@ class Switchboard:
                 reply = None
             else:
                 reply = device.request(event.name, event.message)
-                self.stale |= self.rounds.changed(device)
+                self.note_answer(device)
         except Refused:
             connection.session.refuse(event)
             return
@@ -148,6 +148,10 @@ class Switchboard:
             self.context.client = None
             self.tell_complaints(connection)
         connection.session.acknowledge(event, None if reply is None else dict(reply))
+
+    def note_answer(self, device: Device) -> None:
+        """A device has answered a client's or a function's request: it may tell other data now."""
+        self.stale |= self.rounds.changed(device)
 
     def tell_complaints(self, client: Connection) -> None:
         """Tell people, once of each client and robot, what it was sent that makes no sense."""

@@ -226,8 +226,7 @@ class Crew:
         for robot, code in self.fleet.take_ended().items():
             driver = self.context.robots[robot].driver
             self.drain(driver)
-            if not driver.running:
-                driver.record.exit_code = code
+            if not driver.running:  # it hung: the signal that ended it was ours, and tells nothing
                 continue
             if driver.lost is not None:
                 self.drivers.end(driver, "lost", code, driver.lost)

@@ -43,7 +43,7 @@ class DirectClient:
     """What proxies need of a PlayerClient, joined to a robot's devices without a socket.
 
     `sense(device)` is called when a device is subscribed, so that its reading of this tick is
-    there at once.
+    there at once, and `answered(device)` when it has answered a request.
     """
 
     index = 0
@@ -54,6 +54,7 @@ class DirectClient:
         seed: int,
         port: Port,
         sense: Callable[[Device], None],
+        answered: Callable[[Device], None],
         context: Context,
     ) -> None:
         self.name = name
@@ -63,6 +64,7 @@ class DirectClient:
         self.address = f"{name}, in this process"
         self.ending = ""
         self._sense = sense
+        self._answered = answered
         self._context = context
         self._routes: dict[Device, tuple[DeviceAddr, list[Proxy]]] = {}
         self._rng: np.random.Generator | None = None
@@ -155,6 +157,7 @@ class DirectClient:
         except Refused:
             self._complain()
             raise PlayerRefused(f"{self.name} refused the request {spec.name} of {addr}") from None
+        self._answered(device)
         answer = messages.find(addr.interf, MessageType.ACK, subtype)
         if reply is None or answer is None:
             return {}

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import ceil, radians
+from math import inf, radians
 from typing import TYPE_CHECKING, Any
 
 from sim.stage.geometry import girth, reach
+from sim.worldfile.dividing import clock_within
 from sim.worldfile.mistakes import Mistake
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def physics_mistakes(world: World) -> list[Mistake]:
     mistakes: list[Mistake] = []
     lightest, least = min(((body.mass, where) for where, body, _ in bodies), key=lambda one: one[0])
     than = f"{lightest:g} kg of {'.'.join(map(str, least))}"
-    clock, longest, fastest = world.clock, float("inf"), ""
+    clock, longest, fastest = world.clock, inf, ""
     for where, body, drive in bodies:
         if body.mass > MOST_RATIO * lightest * (1 + 1e-9):
             what = "is too heavy for the lightest body"
@@ -56,11 +57,12 @@ def physics_mistakes(world: World) -> list[Mistake]:
         speed = drive.max_speed + radians(drive.max_turn_rate) * lever
         step = MOST_SUBSTEPS * min(DEEPEST, girth(body)) / (2.0 * speed)
         if step < longest:
-            longest, fastest = step, f"{where[1]} at {speed:.6g} m/s"
+            longest = step
+            fastest = f"model {where[1]}, {2.0 * girth(body):.3g} m wide, at {speed:.6g} m/s"
     if clock.physics_step > longest:
-        near = clock.interval / max(1, ceil(clock.interval / longest))
         what = "is so long that bodies could pass through others in it"
-        allowed = f"at most {longest:.3g} for model {fastest}, such as {near:.6g}"
+        works = clock_within(clock.interval, longest)
+        allowed = f"at most {longest:.3g} for {fastest}, such as {works}"
         mistakes.append(
             Mistake(("clock", "physics_step"), what, f"{clock.physics_step:g}", allowed)
         )

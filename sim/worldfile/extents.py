@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import ceil
 
+from sim.worldfile.dividing import divides, shown
 from sim.worldfile.mistakes import Mistake
 from sim.worldfile.schema import World
 
@@ -63,15 +64,15 @@ def period_mistakes(world: World) -> list[Mistake]:
     mistakes: list[Mistake] = []
     interval = world.clock.interval
     for index, door in enumerate(world.doors):
-        ticks = door.period / interval
-        if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-9 * ticks:
-            near = interval * max(1, round(ticks))
+        if not divides(interval, door.period):
+            near = interval * max(1, round(door.period / interval))
+            told = shown(near, lambda period: divides(interval, period))
             mistakes.append(
                 Mistake(
                     ("doors", index, "period"),
                     "is not a whole number of the clock's intervals",
                     f"{door.period:g}",
-                    f"a multiple of {interval:g}, such as {near:g}",
+                    f"a multiple of {interval:g}, such as {told}",
                 )
             )
     return mistakes

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, model_validator
 
+from sim.worldfile.dividing import MOST_STEPS, divides, step_within
 from sim.worldfile.models import Drive, Gripper, Model, OdometryNoise, Sprayer
 from sim.worldfile.options import checked_args
 from sim.worldfile.shapes import Body, Box, Circle, ConvexPolygon, Obstacle, Polygon
@@ -86,21 +87,21 @@ class Clock(Part):
 
     @model_validator(mode="after")
     def _step_divides(self) -> Self:
-        steps = self.interval / self.physics_step
-        if round(steps) < 1 or abs(steps - round(steps)) > 1e-9 * steps:
-            near = self.interval / max(1, ceil(steps))
+        shortest = self.interval / MOST_STEPS
+        if not divides(self.physics_step, self.interval):
+            near = step_within(self.interval, max(self.physics_step, shortest))
             raise wrong(
                 "does not divide `interval`",
                 given=self.physics_step,
-                allowed=f"{self.interval:g} over a whole number, such as {near:.6g}",
+                allowed=f"{self.interval:g} over a whole number, such as {near}",
                 at=("physics_step",),
                 uses=("interval",),
             )
-        if round(steps) > 10_000:
+        if round(self.interval / self.physics_step) > MOST_STEPS:
             raise wrong(
                 "is too short for `interval`",
                 given=self.physics_step,
-                allowed="at most 10000 steps of physics in an interval",
+                allowed=f"{shortest:g} or more: at most {MOST_STEPS} steps in an interval",
                 at=("physics_step",),
                 uses=("interval",),
             )

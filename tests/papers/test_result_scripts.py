@@ -61,3 +61,22 @@ for seeds, number in (("0:3", 1), ("0:2", 2)):
         env=environment(), capture_output=True, text=True, timeout=PATIENCE, check=True,
     )  # fmt: skip
     assert [line for line in done.stdout.splitlines() if line[0] == "["] == ["[1, 1, 1]", "[2, 2]"]
+
+
+def test_the_page_on_paint_sweeps_each_folder_once(tmp_path: Path) -> None:
+    """What is read of a folder is what was asked for last."""
+    code = f"""\
+import sys; sys.path[:0] = [{str(ROOT / "scripts")!r}]
+import paint_cases as p
+for name in ("keep_cases", "keep_worlds", "keep_noise", "keep_perception", "write"):
+    setattr(p, name, lambda *_, **__: None)
+p.sweep = lambda folder, *words: print("swept:", folder.name)
+sys.argv[1:] = ["--out", {str(tmp_path)!r}, "--folder", {str(tmp_path)!r}]
+p.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment(), capture_output=True, text=True, timeout=PATIENCE, check=True,
+    )  # fmt: skip
+    swept = [line for line in done.stdout.splitlines() if line.startswith("swept:")]
+    assert swept == ["swept: cases", "swept: worlds", "swept: noise"]

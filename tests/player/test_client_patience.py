@@ -305,3 +305,22 @@ def test_a_server_that_hears_nothing_holds_no_command_past_its_time():
             command_for_ever()
         assert "took nothing" in robot.ending
         done.set()
+
+
+@pytest.mark.parametrize("seconds", [1e7, 1e30, float("inf")])
+def test_a_limit_longer_than_the_system_can_keep_is_none(seconds):
+    def script(talk):
+        talk.greet()
+        talk.subscribe()
+        talk.reply(talk.expect(POSITION2D, REQ, 5))
+        for _ in range(3):  # the first ones are read slowly, familiar ones by the quick way
+            talk.round((POSITION2D, 1, state(1.0)))
+
+    with (
+        scripted(script) as sock,
+        PlayerClient(sock=sock, timeout=seconds, read_timeout=None) as robot,
+    ):
+        base = Position2dProxy(robot)
+        base.set_odometry(1, 2, 3)
+        for _ in range(3):
+            assert robot.read()

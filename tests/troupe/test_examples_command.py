@@ -71,6 +71,8 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
     code, out = troupe("1", "--copy", str(tmp_path / "file" / "deep"))
     assert code == 2
     assert str(tmp_path / "file") in out
+    code, out = troupe("1", "--copy", str(tmp_path / "file"))
+    assert (code, f"{tmp_path / 'file'}: is not a folder" in out) == (2, True)
 
 
 def test_a_wrong_name_is_told_with_a_near_one() -> None:

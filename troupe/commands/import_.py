@@ -53,6 +53,9 @@ def import_(
 
     target = output if output is not None else Path(f"{world.stem}.yaml")
     try:
+        for source in (world, cfg):
+            if source is not None and same(source, target):
+                raise OSError(f"{target}: is what is to be imported; name another file with -o")
         converted = convert(str(world), None if cfg is None else str(cfg), target)
         write(converted, target, force)
     except (StageError, OSError) as error:
@@ -64,6 +67,11 @@ def import_(
         print(mistake, file=sys.stderr)
     lost = strict and any(note.kind == "lost" for note in converted.notes)
     raise typer.Exit(1 if mistakes or lost else 0)
+
+
+def same(one: Path, other: Path) -> bool:
+    """Whether two names are those of one file."""
+    return one.exists() and other.exists() and one.samefile(other)
 
 
 def write(converted: Converted, target: Path, force: bool) -> None:

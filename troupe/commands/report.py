@@ -12,6 +12,8 @@ from player.printable import printable_lines
 from troupe.usage import UsageError, told
 
 FORMATS = ("html", "md")
+PAGES = ("", ".html", ".htm", ".md")
+"""Endings of a page's name: whatever else has a name of another kind is not written over."""
 
 
 def report(
@@ -94,6 +96,8 @@ def report(
         kind = format_ or ("md" if out.suffix == ".md" else "html")
         if kind not in FORMATS:
             raise UsageError(f"--format {kind}: must be html or md")
+        if format_ is None and out.suffix.lower() not in PAGES:
+            raise UsageError(f"--out {out}: a report is a page: name it *.html or *.md")
         if not out.parent.is_dir():
             raise UsageError(f"--out {out}: there is no folder {out.parent}")
         tables = gather(folders, [Each(name, str(Path.cwd())) for name in each or []])

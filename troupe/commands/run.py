@@ -15,6 +15,7 @@ import typer
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
 from troupe import film_options as options
+from troupe import run_options as common
 from troupe.address import parse_address
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.show import Screen
@@ -31,23 +32,9 @@ def run(
     world: Annotated[
         str, typer.Argument(metavar="WORLD", help="A world file, or the name of one of Troupe's.")
     ],
-    seed: Annotated[
-        int | None,
-        typer.Option(help="All that is random follows from it.", show_default="the world's"),
-    ] = None,
-    duration: Annotated[
-        float | None,
-        typer.Option(help="Simulated seconds at most.", show_default="the world's"),
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change the world, as in models.rover.drive.max_speed=0.3. May be repeated.",
-            show_default="no change",
-        ),
-    ] = None,
+    seed: common.Seed = None,
+    duration: common.Duration = None,
+    set_: common.Changes = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the result as one JSON object.")
     ] = False,
@@ -107,14 +94,7 @@ def run(
             "time unless --realtime says otherwise, for programs that sleep.",
         ),
     ] = False,
-    listen: Annotated[
-        str | None,
-        typer.Option(
-            metavar="HOST:PORT",
-            help="Let Player clients connect over TCP.",
-            show_default="only where the world says so",
-        ),
-    ] = None,
+    listen: common.Listen = None,
     view: Annotated[
         str | None,
         typer.Option(
@@ -126,16 +106,8 @@ def run(
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Tell the view's address, but open no browser.")
     ] = False,
-    read_only: Annotated[
-        bool, typer.Option("--read-only", help="Whoever watches can only watch.")
-    ] = False,
-    patience: Annotated[
-        float,
-        typer.Option(
-            help="Wall-clock seconds that a controller may hold up the others; twice that until "
-            "its first request. 0: for ever."
-        ),
-    ] = 60.0,
+    read_only: common.ReadOnly = False,
+    patience: common.Patience = 60.0,
     fail_fast: Annotated[
         bool,
         typer.Option("--fail-fast", help="End the run when the first controller has failed."),

@@ -12,6 +12,7 @@ import typer
 
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
+from troupe.given_options import given_options
 from troupe.interrupts import EXIT_CODE, leave
 from troupe.usage import UsageError, told
 
@@ -140,7 +141,8 @@ def sweep(
     try:
         named = worlds or []
         if named[:1] == ["collect"]:
-            refuse_all_but(context, {"worlds", "out", "each"})
+            for option in given_options(context, {"worlds", "out", "each"}):
+                raise UsageError(f"{option}: means nothing to `troupe sweep collect`")
             code = collect(named[1:], out, each or [])
         else:
             mistakes = ["--out: name the sweep's folder, as --out results"] * (out is None)
@@ -241,8 +243,8 @@ def summary(session: Session, plan: Plan, out: Path) -> str:
     there = session.known + session.ran
     failed = sum(count for outcome, count in there.items() if outcome != "completed")
     lines = [
-        f"{session.asked} runs of {len(plan.points)} combinations: {number} run now, "
-        f"{session.known.total()} were there, {session.missing} are missing"
+        f"{many(session.asked, 'run')} of {many(len(plan.points), 'combination')}: {number} run "
+        f"now, {session.known.total()} were there, {session.missing} are missing"
     ]
     if failed:
         kinds = sorted((o, n) for o, n in there.items() if o != "completed")
@@ -250,6 +252,10 @@ def summary(session: Session, plan: Plan, out: Path) -> str:
     if session.missing == 0:
         lines.append(f"next: troupe report {shlex.quote(str(out))} -o report.html")
     return "\n".join(lines)
+
+
+def many(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def collect(folders: list[str], out: Path | None, each: list[str]) -> int:
@@ -267,12 +273,3 @@ def collect(folders: list[str], out: Path | None, each: list[str]) -> int:
     missing = f", {tables.missing} are missing" if tables.missing else ""
     print(f"{len(tables.results)} runs{missing}: {', '.join(str(path) for path in made)}")
     return 1 if tables.missing else 0
-
-
-def refuse_all_but(context: typer.Context, known: set[str]) -> None:
-    """Raises UsageError for an option that was given and means nothing here."""
-    for name in context.params:
-        source = context.get_parameter_source(name)
-        if name not in known and source is not None and source.name == "COMMANDLINE":
-            option = name.strip("_").replace("_", "-")
-            raise UsageError(f"--{option}: means nothing to `troupe sweep collect`")

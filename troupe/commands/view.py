@@ -11,13 +11,16 @@ import typer
 
 from player.printable import printable_lines
 from sim.interrupts import Interrupts
+from troupe import run_options as common
 from troupe.commands.run import Watched, run_and_show
+from troupe.given_options import given_options
 from troupe.interrupts import leave
 from troupe.show import Screen
 from troupe.usage import UsageError, told
 
 
 def view(
+    context: typer.Context,
     world: Annotated[
         str,
         typer.Argument(
@@ -38,45 +41,16 @@ def view(
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Tell the address, but open no browser.")
     ] = False,
-    read_only: Annotated[
-        bool, typer.Option("--read-only", help="Whoever watches can only watch.")
-    ] = False,
-    seed: Annotated[
-        int | None,
-        typer.Option(help="All that is random follows from it.", show_default="the world's"),
-    ] = None,
-    duration: Annotated[
-        float | None,
-        typer.Option(help="Simulated seconds at most.", show_default="the world's"),
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change the world, as in models.rover.drive.max_speed=0.3. May be repeated.",
-            show_default="no change",
-        ),
-    ] = None,
+    read_only: common.ReadOnly = False,
+    seed: common.Seed = None,
+    duration: common.Duration = None,
+    set_: common.Changes = None,
     realtime: Annotated[
         float,
         typer.Option(metavar="[FACTOR]", help="The pace at first; the page can change it."),
     ] = 1.0,
-    listen: Annotated[
-        str | None,
-        typer.Option(
-            metavar="HOST:PORT",
-            help="Let Player clients connect over TCP.",
-            show_default="only where the world says so",
-        ),
-    ] = None,
-    patience: Annotated[
-        float,
-        typer.Option(
-            help="Wall-clock seconds that a controller may hold up the others; twice that until "
-            "its first request. 0: for ever."
-        ),
-    ] = 60.0,
+    listen: common.Listen = None,
+    patience: common.Patience = 60.0,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the last run's result as one JSON object.")
     ] = False,
@@ -97,11 +71,7 @@ def view(
         print(printable_lines(str(error)), file=sys.stderr)
         raise typer.Exit(2) from None
     if log is not None:
-        of_runs = {
-            "--seed": seed, "--duration": duration, "--set": set_, "--listen": listen,
-            "--json": as_json or None,
-        }  # fmt: skip
-        given = [name for name, value in of_runs.items() if value]
+        given = given_options(context, {"world", "address", "no_open", "read_only", "quiet"})
         show_log(log, start, watched, given, quiet=quiet)
     run_and_show(
         world,

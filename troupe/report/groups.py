@@ -160,10 +160,11 @@ def measures_of(
     """
     done = [row for row in rows if row["outcome"] == "completed"]
     names = columns(rows)
-    for name in (*asked, *higher):
+    options = [("--measure", name) for name in asked] + [("--higher", name) for name in higher]
+    for option, name in options:
         if name not in names or not any(is_number(row.get(name)) for row in rows):
             known = ", ".join(n for n in names if any(is_number(row.get(n)) for row in rows))
-            raise UsageError(f"--measure {name}: is no column of numbers (there are {known})")
+            raise UsageError(f"{option} {name}: is no column of numbers (there are {known})")
     chosen = list(asked)
     if not chosen:
         reported = [name for name in names if name.startswith("properties.")]

@@ -61,7 +61,7 @@ def asked_plan(
         chosen = said.seeds if seeds is None else tuple(parse_seeds(seeds))
     most = said.duration if duration is None else duration
     if most is not None and not 0 < most < 1e15:
-        found.append(f"--duration {most:g}: must be above 0")
+        found.append(f"--duration {most:g}: must be above 0 and below 1e15")
         most = None
     here = str(Path.cwd())
     functions = [Each(name, here) for name in (each or said.each)]

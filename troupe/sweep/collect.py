@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import pandas
     import polars
 
+LARGE = 1 << 63
+
 
 @dataclass(frozen=True)
 class Tables:
@@ -100,8 +102,13 @@ def cell(value: Any) -> Any:
 
 
 def uniform(values: Sequence[Any]) -> list[Any]:
-    """A column's values, of one kind: truth values, whole numbers, numbers, or else texts."""
+    """A column's values, of one kind: truth values, whole numbers, numbers, or else texts.
+
+    Whole numbers of more than 64 bits are numbers.
+    """
     kinds = {type(value) for value in values if value is not None}
+    if any(type(value) is int and not -LARGE <= value < LARGE for value in values):
+        kinds.add(float)
     if len(kinds) < 2 and kinds <= {bool, int, str, float}:
         return list(values)
     if kinds == {int, float}:

@@ -25,7 +25,7 @@ from typing import Any, BinaryIO
 
 from troupe.sweep.lines import Line, better, line_of, read_line
 from troupe.sweep.plan import Plan, plan_of_json
-from troupe.usage import UsageError
+from troupe.usage import UsageError, told
 
 MANY = 10_000
 """Runs of a sweep from which on they have no folders of their own."""
@@ -45,6 +45,8 @@ def open_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
         raise UsageError(f"--out {folder}: is not a folder") from None
+    except OSError as error:
+        raise UsageError(f"--out {folder}: cannot be made: {told(error)}") from None
     known = folder / "manifest.json"
     if not known.exists():
         if any(one.suffix != ".tmp" for one in folder.iterdir()):
@@ -57,7 +59,7 @@ def check_folder(folder: Path) -> None:
     """Raises UsageError unless it is a sweep's folder of a kind that is known here."""
     try:
         found = json.loads((folder / "manifest.json").read_bytes())["format"]
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise UsageError(f"{folder}: is not the folder of a sweep (no manifest.json)") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}/manifest.json: cannot be read: {error}") from None

@@ -22,7 +22,7 @@ def how_of(
     if jobs is not None and dask is not None:
         mistakes.append("--jobs and --dask: a scheduler's workers say how many run at a time")
     if timeout is not None and not 0 < timeout < 1e9:
-        mistakes.append(f"--timeout {timeout:g}: must be above 0")
+        mistakes.append(f"--timeout {timeout:g}: must be above 0 and below 1e9")
     part = (1, 1)
     if shard is not None:
         first, _, number = shard.partition("/")

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO, Any
 
-from troupe.sweep.task import killed_from_outside
+from troupe.sweep.task import ended, killed_from_outside
 from troupe.sweep.versions import ROOT, machine
 
 AHEAD = 3
@@ -30,6 +30,9 @@ MOST_TRIES = 3
 
 MOST_STILLBORN = 8
 """Workers one after the other that end before they can work: then something is wrong with them."""
+
+ENDING = 10.0
+"""Seconds that a process may take to end once it has closed its output: Python takes a while."""
 
 LOOK = 0.2
 """Seconds between two looks at the time limits, and at whether to stop."""
@@ -80,6 +83,8 @@ class Worker:
         """The tasks that are done, with their records; None when the process has ended."""
         data = os.read(self.fileno(), 1 << 20)
         if not data:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.process.wait(ENDING)  # else we would kill it, and not know how it ended
             return None
         *whole, self.pending = (self.pending + data).split(b"\n")
         done = []
@@ -116,18 +121,7 @@ class Worker:
 
 def unfinished(task: Task, outcome: str, reason: str, output: list[str]) -> Record:
     """The record of a run that has no result."""
-    return {
-        "name": task["name"],
-        "outcome": outcome,
-        "tries": task["tries"],
-        "reason": reason,
-        "world": task["world"],
-        "seed": task["seed"],
-        "hash": task["hash"],
-        "parameters": dict(task["settings"]),
-        "machine": machine(),
-        "output": output,
-    }
+    return {**ended(task, outcome, reason), "machine": machine(), "output": output}
 
 
 def how_ended(code: int) -> tuple[str, str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,6 +14,8 @@ from types import CodeType, ModuleType
 from typing import Any, ClassVar
 
 from sim.result import DoorRecord, FloorRecord, Result, RobotRecord
+from sim.strictjson import DEEPEST, TOO_DEEP
+from sim.worldfile.mistakes import suggestion
 from troupe.usage import UsageError
 
 
@@ -69,17 +70,22 @@ class Each:
         module_name, colon, function = self.name.rpartition(":")
         if not colon or not function.isidentifier() or not module_name:
             raise UsageError(f"{self}: must be module:function, or FILE.py:function")
+        file = Path(self.folder, module_name)
+        if module_name.endswith(".py") and not file.is_file():
+            raise UsageError(f"{self}: there is no file {module_name}")
         try:
             if module_name.endswith(".py"):
-                module = module_of(Path(self.folder, module_name))
+                module = module_of(file)
             else:
                 with first_place(self.folder):
                     module = importlib.import_module(module_name)
-            found: Callable[..., Any] = getattr(module, function)
         except Exception as error:  # a module of the user's raises anything
             raise UsageError(f"{self}: {type(error).__name__}: {error}") from None
+        found: Callable[..., Any] | None = getattr(module, function, None)
         if not callable(found):
-            raise UsageError(f"{self}: is no function")
+            known = [name for name, one in vars(module).items() if callable(one)]
+            what = f"there is no function {function} in {module_name}"
+            raise UsageError(f"{self}: {what}{suggestion(function, known)}")
         return found
 
     @property
@@ -151,26 +157,35 @@ def added(each: Each, function: Callable[..., Any], record: Mapping[str, Any]) -
         return {}
     try:
         value = function(result_of(record) if "robots" in record else dict(record["columns"]))
+        return columns_of(each, value)
     except Exception as error:
         raise UsageError(
             f"{each}: {type(error).__name__}: {error} (for the run {record['name']})"
         ) from None
-    return columns_of(each, value)
 
 
 def columns_of(each: Each, value: Any) -> dict[str, Any]:
-    """What a function gave, as columns."""
+    """What a function gave, as columns; raises ValueError for what is too deep for a table."""
     name = each.name.rpartition(":")[2]
     found = dict(value) if isinstance(value, Mapping) else {name: value}
     return {str(key): plain(one) for key, one in found.items()}
 
 
-def plain(value: Any) -> Any:
-    """A value that a table holds: numpy's numbers as Python's; NaN and infinities are missing."""
+def plain(value: Any, levels: int = DEEPEST) -> Any:
+    """A value that a table holds: numpy's numbers as Python's, what is no JSON as its text.
+
+    NaN, infinities and numbers beyond what a double holds are missing.
+    """
     if hasattr(value, "tolist"):
         value = value.tolist()
-    if isinstance(value, float) and not math.isfinite(value):
+    if isinstance(value, int | float) and not abs(value) <= sys.float_info.max:
         return None
-    if value is None or isinstance(value, bool | int | float | str | list | tuple | dict):
+    if value is None or isinstance(value, bool | int | float | str):
         return value
-    return str(value)
+    if not isinstance(value, list | tuple | dict):
+        return str(value)
+    if levels == 0:
+        raise ValueError(TOO_DEEP)
+    if isinstance(value, dict):
+        return {str(key): plain(one, levels - 1) for key, one in value.items()}
+    return [plain(one, levels - 1) for one in value]

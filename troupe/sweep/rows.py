@@ -15,6 +15,15 @@ from troupe.sweep.plan import Plan
 MOST_ROBOTS = 32
 """Robots of a run up to which each has columns of its own for what it reported."""
 
+OWN = (
+    "world", "seed", "hash", "outcome", "reason",
+    "sim_time", "ticks", "digest", "robots", "distance", "contacts", "stalls",
+)  # fmt: skip
+"""Columns of every table, or of every run of a world."""
+
+SET = "set."
+"""What the column of a parameter begins with that is called like one of them."""
+
 FOUND = "found."
 """What a column of a function's begins with if the table has one of its name already."""
 
@@ -43,7 +52,7 @@ def rows_of(
                 continue
             record = line.record
             row = {"world": run.point.world, "seed": run.seed}
-            row |= {key: run.point.settings.get(key) for key in parameters}
+            row |= {column_of(key): run.point.settings.get(key) for key in parameters}
             row |= {"hash": run.point.hash, **flat(record)}
             given = {
                 f"{FOUND}{key}" if key in row else key: value
@@ -62,12 +71,18 @@ def rows_of(
                 "tries": record["tries"],
                 **record["machine"],
             }
-    order = sorted(results, key=lambda name: place_of(results[name], parameters))
+    told = [column_of(key) for key in parameters]
+    order = sorted(results, key=lambda name: place_of(results[name], told))
     return [results[name] for name in order], [timings[name] for name in order], list(added)
 
 
+def column_of(parameter: str) -> str:
+    """The name of a parameter's column."""
+    return f"{SET}{parameter}" if parameter in OWN else parameter
+
+
 def place_of(row: Row, parameters: Sequence[str]) -> tuple[Any, ...]:
-    """Where a row stands: numbers are before texts, and in their order."""
+    """Where a row stands by its parameters' columns: numbers are before texts, in their order."""
     values = [row[key] for key in parameters]
     return (row["world"], *map(in_order, values), row["seed"], row["hash"])
 
@@ -120,6 +135,5 @@ def columns(rows: Sequence[Row]) -> list[str]:
     first = list(rows[0]) if rows else []
     names = dict.fromkeys(key for row in rows for key in row)
     fixed = first[: first.index("reason") + 1] if "reason" in first else first
-    most = ("sim_time", "ticks", "digest", "robots", "distance", "contacts", "stalls")
-    rest = [name for name in most if name in names]
+    rest = [name for name in OWN if name in names and name not in fixed]
     return [*fixed, *rest, *sorted(set(names) - {*fixed, *rest})]

@@ -6,6 +6,7 @@ from sim.worldfile.mistakes import Mistake
 from troupe.usage import UsageError
 
 LARGEST = (1 << 63) - 1
+DIGITS = len(str(LARGEST))
 MOST = 10_000_000
 """Seeds of one sweep."""
 
@@ -27,12 +28,16 @@ def parse_seeds(text: str) -> list[int]:
         numbers = [piece.strip() for piece in part.split(":")]
         if len(numbers) > 3 or not all(p.isascii() and p.isdecimal() for p in numbers):
             raise refused(text, f"`{part.strip()}` is no seed and no range of seeds")
+        if any(len(piece.lstrip("0")) > DIGITS for piece in numbers):
+            raise refused(text, f"`{part.strip()}` is too large: at most {LARGEST}")
         first, *rest = [int(piece) for piece in numbers]
         chosen = range(first, *rest) if rest and 0 not in rest[1:] else range(first, first + 1)
         if rest and (0 in rest[1:] or not chosen):
             raise refused(text, f"`{part.strip()}` holds no seed")
-        if len(chosen) > MOST or chosen[-1] > LARGEST:
-            raise refused(text, f"`{part.strip()}` is too many or too large: at most {LARGEST}")
+        if chosen[-1] > LARGEST:
+            raise refused(text, f"`{part.strip()}` is too large: at most {LARGEST}")
+        if chosen[MOST:]:
+            raise refused(text, f"`{part.strip()}` is too many: at most {MOST} seeds")
         seeds.update(dict.fromkeys(chosen))
     return list(seeds)
 

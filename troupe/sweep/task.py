@@ -112,6 +112,18 @@ def run_task(task: Mapping[str, Any], worlds: Worlds) -> dict[str, Any]:
         said.extend(traceback.format_exc().splitlines())
     record = {
         **found,
+        **ended(task, outcome, reason),
+        "seconds": round(time.perf_counter() - began, 4),
+        "machine": machine(),
+    }
+    if outcome != "completed" and said:
+        record["output"] = list(said)
+    return record
+
+
+def ended(task: Mapping[str, Any], outcome: str, reason: str | None) -> dict[str, Any]:
+    """What the record of every run has: which it is, and how it ended."""
+    return {
         "name": task["name"],
         "outcome": outcome,
         "tries": task["tries"],
@@ -120,12 +132,7 @@ def run_task(task: Mapping[str, Any], worlds: Worlds) -> dict[str, Any]:
         "seed": task["seed"],
         "hash": task["hash"],
         "parameters": dict(task["settings"]),
-        "seconds": round(time.perf_counter() - began, 4),
-        "machine": machine(),
     }
-    if outcome != "completed" and said:
-        record["output"] = list(said)
-    return record
 
 
 def run(

@@ -56,7 +56,7 @@ def test_masses_forces_and_clocks_that_hold_are_no_mistakes(
         ({"ball": 20_000}, "obstacles.0.mass", "1000 times the 10 kg of models.strong"),
         ({"force": 1.1e6}, "models.strong.drive.max_force", "at most 1e+06"),
         ({"ball": 0.1, "force": 2e4}, "models.strong.drive.max_force", "0.1 kg of obstacles.0"),
-        ({"speed": 50, "step": 1}, "clock.physics_step", "such as 0.5"),
+        ({"speed": 50, "step": 1}, "clock.physics_step", "such as physics_step: 0.5"),
     ],
 )
 def test_what_the_physics_could_not_keep_apart_is_refused_with_what_works(
@@ -71,7 +71,52 @@ def test_what_the_physics_could_not_keep_apart_is_refused_with_what_works(
     assert raised.value.mistakes[0].line is not None
 
 
-def test_the_clock_that_is_proposed_is_taken(tmp_path: Path) -> None:
+SMALL = """\
+size: [40, 10]
+clock: {{{clock}}}
+models: {{mote: {{body: {{shape: circle, radius: {radius}}}, drive: {{max_speed: {speed}}}}}}}
+robots: [{{model: mote, pose: [2, 2, 0]}}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("radius", "speed", "clock"),
+    [
+        (0.1, 50, "interval: 1, physics_step: 1"),
+        (0.1, 90, "interval: 1, physics_step: 1"),  # a third: no few decimals divide the interval
+        (1e-5, 100, "interval: 0.7"),
+        (1e-6, 1, "interval: 0.1"),
+        (1e-9, 0.5, "interval: 0.1"),  # more steps than an interval may have
+        (1e-9, 0.5, "interval: 60, physics_step: 1"),
+    ],
+)
+def test_the_clock_that_is_proposed_is_taken(
+    tmp_path: Path, radius: float, speed: float, clock: str
+) -> None:
     path = tmp_path / "world.yaml"
-    path.write_text(WORLD.format(**{**GIVEN, "speed": 50, "step": 0.5}))
-    assert load(path).world.clock.physics_step == 0.5
+    path.write_text(SMALL.format(radius=radius, speed=speed, clock=clock))
+    with pytest.raises(WorldError) as raised:
+        load(path)
+    [mistake] = raised.value.mistakes
+    assert mistake.where == ("clock", "physics_step")
+    proposed = str(mistake.allowed).rpartition("such as ")[2]
+    if "interval" not in proposed:
+        proposed += ", " + clock.partition(",")[0]
+    path.write_text(SMALL.format(radius=radius, speed=speed, clock=proposed))
+    load(path)
+
+
+def test_the_period_that_is_proposed_is_taken(tmp_path: Path) -> None:
+    path = tmp_path / "world.yaml"
+    text = (
+        "size: [40, 10]\nclock: {interval: 0.333333}\n"
+        "models: {rover: {body: {shape: circle, radius: 0.3}}}\n"
+        "doors: [{name: s, at: [1, 1], model: rover, period: PERIOD}]\n"
+    )
+    path.write_text(text.replace("PERIOD", "4.1"))
+    with pytest.raises(WorldError) as raised:
+        load(path)
+    [mistake] = raised.value.mistakes
+    assert mistake.where == ("doors", 0, "period")
+    path.write_text(text.replace("PERIOD", str(mistake.allowed).rpartition("such as ")[2]))
+    load(path)

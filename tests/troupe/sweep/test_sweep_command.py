@@ -43,7 +43,7 @@ def test_a_table_may_name_the_worlds(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text(f"world,seed\n{quiet_world(tmp_path)},0:2\n")
     done = troupe("sweep", "--table", tmp_path / "rows.csv", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    assert "2 runs of 1 combinations" in done.stdout
+    assert "2 runs of 1 combination:" in done.stdout
     done = troupe("sweep", "--out", tmp_path / "none")
     assert (done.returncode, "there is no world to run" in done.stderr) == (2, True)
 
@@ -60,7 +60,11 @@ def test_a_table_may_name_the_worlds(tmp_path: Path) -> None:
         (("--out", "{}/out", "--timeout", "0"), "--timeout"),
         (("--out", "{}/out", "--video-of", "some"), "--video-of"),
         (("--out", "{}/out", "--each", "nowhere:f"), "nowhere"),
+        (("--out", "{}/out", "--each", "nowhere.py:f"), "there is no file nowhere.py"),
+        (("--out", "{}/out", "--each", "json:dump_s"), "in json; did you mean dumps?"),
+        (("--out", "{}/out", "--duration", "inf"), "below 1e15"),
         (("--out", "{}", "--quiet"), "something else"),
+        (("--out", "{}/quiet.yaml/out"), "cannot be made"),
     ],
 )
 def test_bad_usage_is_told_before_anything_is_run(
@@ -134,7 +138,7 @@ with PlayerClient() as robot:
     told, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130, errors
     assert "the same command goes on" in errors
-    assert re.search(r"100000 runs of 1 combinations: [1-9]\d* run now", told)
+    assert re.search(r"100000 runs of 1 combination: [1-9]\d* run now", told)
     assert not list(batches.glob("*.part"))
     assert all_gone(mark)
 

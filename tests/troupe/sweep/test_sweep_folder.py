@@ -103,8 +103,9 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> Non
     (tmp_path / "thesis.tex").write_text("")
     with pytest.raises(UsageError, match="something else"):
         rooms.open_folder(tmp_path)
-    with pytest.raises(UsageError, match="not the folder of a sweep"):
-        rooms.check_folder(tmp_path)
+    for one in (tmp_path, tmp_path / "thesis.tex"):
+        with pytest.raises(UsageError, match="not the folder of a sweep"):
+            rooms.check_folder(one)
 
 
 def test_what_a_dead_process_left_is_swept_up(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from tests.processes import ROOT
 from tests.troupe.sweep.sweeping import QUIET, plan_of, troupe
 from troupe.report.sweep import contents
 from troupe.sweep.asked import asked_plan
-from troupe.sweep.collect import csv_of, gather
+from troupe.sweep.collect import csv_of, gather, write_tables
 from troupe.sweep.folder import records
 from troupe.sweep.plan import Plan, plan_of_json
 from troupe.sweep.session import Changed, How, sweep
@@ -123,6 +123,15 @@ def f(seed):
     assert rows[0]["f"] == ""
 
 
+def test_a_worker_that_ends_by_itself_has_crashed_and_its_last_words_are_kept(folder: Path) -> None:
+    (folder / "study.py").write_text("def stop(seed):\n    raise GeneratorExit\n")
+    sweep(study("stop", "0:1"), folder / "out", QUIETLY)
+    (record,) = (line.record for line in records([folder / "out"]).values())
+    assert (record["outcome"], record["tries"]) == ("crashed", 3)
+    assert "exit code" in record["reason"]
+    assert record["output"][-1] == "GeneratorExit"
+
+
 def test_a_plain_value_is_a_column_of_the_functions_name(folder: Path) -> None:
     sweep(study("number", "2:4"), folder / "out", QUIETLY)
     assert [row["number"] for row in gather([folder / "out"]).results] == [14, 21]
@@ -141,6 +150,53 @@ def test_a_column_of_a_parameters_name_hides_neither(folder: Path) -> None:
     sweep(study("f", "0", "a=2"), folder / "out", QUIETLY)
     (row,) = gather([folder / "out"]).results
     assert (row["a"], row["found.a"], row["seed"], row["found.seed"]) == (2, 20, 0, 5)
+
+
+def test_parameters_may_be_called_as_the_tables_own_columns(folder: Path) -> None:
+    (folder / "study.py").write_text(
+        "def one(seed, world, hash, robots):\n    return 1\n\ndef two(seed):\n    return 2\n"
+    )
+    table = folder / "table.csv"
+    settings = ("world=1", "hash=2", "robots=3")
+    for plan in (study("one", "0:1", *settings), study("two", "0:1")):
+        sweep(plan, folder / "out", QUIETLY)
+    found = gather([folder / "out"])
+    table.write_bytes(csv_of(found.results))
+    one, two = sorted(csv.DictReader(table.open()), key=lambda row: row["world"])
+    assert (one["world"], one["set.world"], one["set.hash"], one["set.robots"]) == (
+        "study.py:one", "1", "2", "3",
+    )  # fmt: skip
+    assert one["hash"] not in ("", "2")
+    assert (two["world"], two["set.world"]) == ("study.py:two", "")
+
+
+def test_numpys_numbers_within_lists_and_mappings_are_columns_too(folder: Path) -> None:
+    (folder / "study.py").write_text(
+        "import numpy as np\n\n"
+        "def mixed(seed):\n"
+        "    return {'of': [np.int64(3), {'a': np.float32(0.5), (1, 2): {4}}, np.nan]}\n"
+    )
+    sweep(study("mixed", "0:1"), folder / "out", QUIETLY)
+    (row,) = gather([folder / "out"]).results
+    assert (row["outcome"], row["of"]) == ("completed", [3, {"a": 0.5, "(1, 2)": "{4}"}, None])
+
+
+def test_what_no_table_can_hold_is_a_row_of_an_error_or_missing(folder: Path) -> None:
+    (folder / "study.py").write_text(
+        "def round(seed):\n    a = []\n    a.append(a)\n    return {'a': a}\n\n"
+        "def large(seed):\n    return {'a': 2 ** (70 + 1000 * seed)}\n"
+    )
+    sweep(study("round", "0:1"), folder / "out", QUIETLY)
+    sweep(study("large", "0:2"), folder / "out", QUIETLY)
+    found = gather([folder / "out"])
+    rows = {(row["world"], row["seed"]): row for row in found.results}
+    assert "levels deep" in rows["study.py:round", 0]["reason"]
+    assert rows["study.py:large", 0]["a"] == 2**70
+    assert rows["study.py:large", 1]["a"] is None
+    write_tables(found, folder / "out")
+    if (folder / "out" / "results.parquet").exists():
+        table = library.read_sweep(folder / "out")
+        assert sorted(table["a"].dropna()) == [2.0**70]
 
 
 def test_functions_of_a_result_are_given_what_the_function_returned(folder: Path) -> None:

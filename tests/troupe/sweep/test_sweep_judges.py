@@ -55,5 +55,5 @@ def test_a_judge_that_raises_makes_a_row_that_says_so(folder: Path) -> None:
 
 
 def test_a_judge_that_is_not_there_is_told_before_the_first_run(folder: Path) -> None:
-    with pytest.raises(UsageError, match="no attribute"):
+    with pytest.raises(UsageError, match="no function"):
         plan_of(quiet_world(folder), "0", judge=("judge.py:nobody",))

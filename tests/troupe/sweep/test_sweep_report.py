@@ -189,9 +189,15 @@ def test_the_command_makes_a_report(folder: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "page.html").stat().st_size > 10_000
     for words, said in (
-        (("--measure", "nonsense"), "no column of numbers"),
+        (("--measure", "nonsense"), "--measure nonsense: is no column of numbers"),
+        (("--higher", "nonsense"), "--higher nonsense: is no column of numbers"),
         (("--format", "pdf"), "html or md"),
     ):
         done = troupe("report", folder, "-o", tmp_path / "page.html", *words)
         assert done.returncode == 2
         assert said in done.stderr
+    world = tmp_path / "world.yaml"
+    world.write_text("mine")
+    done = troupe("report", folder, "-o", world)
+    assert (done.returncode, world.read_text()) == (2, "mine")
+    assert "name it *.html or *.md" in done.stderr

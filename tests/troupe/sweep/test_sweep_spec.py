@@ -20,10 +20,18 @@ def test_a_range_of_seeds_ends_before_its_end() -> None:
     assert parse_seeds("5, 0:10:5,7:9") == [5, 0, 7, 8]
 
 
-@pytest.mark.parametrize("text", ["", "a", "3:3", "5:2", "-1", "0:5:0", "1:2:3:4", f"{1 << 63}"])
+@pytest.mark.parametrize(
+    "text",
+    ["", "a", "3:3", "5:2", "-1", "0:5:0", "1:2:3:4", f"{1 << 63}", f"0:{10**30}", "9" * 5000],
+)
 def test_what_holds_no_seed_is_a_mistake(text: str) -> None:
     with pytest.raises(Unusable, match="--seeds"):
         parse_seeds(text)
+
+
+def test_how_many_seeds_there_may_be_is_told() -> None:
+    with pytest.raises(Unusable, match="at most 10000000 seeds"):
+        parse_seeds("0:99999999")
 
 
 @given(st.lists(st.integers(0, 40), min_size=1, unique=True))

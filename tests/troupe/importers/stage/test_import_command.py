@@ -91,6 +91,18 @@ def test_no_file_is_written_over_unless_forced(name: str, tmp_path: Path) -> Non
     assert run(*words, "--force").exit_code == 0
 
 
+@pytest.mark.parametrize("name", ["yard.world", "yard.cfg"])
+def test_what_is_imported_is_never_written_over(name: str, tmp_path: Path) -> None:
+    for path in DATA.iterdir():
+        if path.is_file():
+            (tmp_path / path.name).write_bytes(path.read_bytes())
+    words = (tmp_path / "yard.world", tmp_path / "yard.cfg", "-o", tmp_path / name, "--force")
+    done = run(*words)
+    assert done.exit_code == 2
+    assert f"{name}: is what is to be imported" in done.stderr
+    assert (tmp_path / name).read_bytes() == (DATA / name).read_bytes()
+
+
 def test_a_mistake_in_the_input_is_told_with_its_place_and_nothing_is_written(
     tmp_path: Path,
 ) -> None:
