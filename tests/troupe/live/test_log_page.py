@@ -139,6 +139,23 @@ def test_the_scene_is_saved_as_svg(page: Page) -> None:
     assert len(list(root.iter(f"{space}image"))) == 1  # the paint
 
 
+FANNED = """async (selected) => {
+  const { svgOf } = await import("./save.js");
+  const ranges = new Float32Array([2, 2, 2]);
+  troupe.state.fans = [{ robot: 0, sensor: 0, x: 3, y: 3, yaw: 0, fov: 1, ranges }];
+  troupe.view.selected = new Set(selected);
+  return svgOf(troupe);
+}"""
+
+
+def test_paint_lies_over_fans_but_not_over_those_of_who_is_selected(page: Page) -> None:
+    move_slider(page, 6.0)
+    page.until("(t) => t.state.tick === 60 && t.state.paint")
+    for selected in ([], [0]):
+        text = page.page.evaluate(FANNED, selected)
+        assert (text.index("fill-opacity") > text.index("<image")) == bool(selected)
+
+
 def test_the_pictures_of_the_page_and_of_the_svg_are_alike(page: Page, browser: Any) -> None:
     page.page.click("#looks") if page.get("troupe.view.dark") else None
     page.until("(t) => !t.dirty")

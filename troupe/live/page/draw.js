@@ -3,7 +3,7 @@
 import { coat, css, inks, mix, tint } from "./colors.js";
 import { AWAITED, STALLED } from "./frames.js";
 import { Ground } from "./ground.js";
-import { drawReadings, drawSights } from "./readings.js";
+import { drawFans, drawReadings, drawSights } from "./readings.js";
 import { Shape, trace } from "./shapes.js";
 import { drawTexts } from "./texts.js";
 
@@ -39,9 +39,13 @@ export class Painter {
   /** The same on any context: `ratio` of its units are a pixel of the style sheet. */
   paint(context, state, camera, view, ratio) {
     const ink = inks(state.scene.palette, view.dark), grid = view.show.grid;
-    if (context === this.context) this.ground.draw(context, state, camera, ink, { ratio, grid });
-    else this.ground.trace(context, state, camera, ink, { ratio, grid });
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const fans = (selected) => {
+      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+      drawFans(context, state, camera, ink, view, selected);
+    };
+    const how = context === this.context ? "draw" : "trace";
+    this.ground[how](context, state, camera, ink, { ratio, grid }, () => fans(false));
+    fans(true);
     if (view.show.trails) this.#trails(context, state, camera, ink);
     drawReadings(context, state, camera, ink, view);
     this.#things(context, state, camera, ink);

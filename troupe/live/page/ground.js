@@ -12,8 +12,8 @@ export class Ground {
     this.key = "";
   }
 
-  /** Floor with its grid, then paint, then walls. */
-  draw(context, state, camera, ink, { ratio, grid }) {
+  /** Floor with its grid, then what `under()` draws, then paint, then walls. */
+  draw(context, state, camera, ink, { ratio, grid }, under) {
     const key = `${camera.key},${ratio},${grid},${ink.ground},${state.scene.begun}`;
     if (key !== this.key) {
       this.key = key;
@@ -21,20 +21,18 @@ export class Ground {
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.drawImage(this.floor, 0, 0);
-    if (state.paint) {
-      camera.apply(context, ratio);
-      this.#paint(context, state, ink);
-      context.setTransform(1, 0, 0, 1, 0, 0);
-    }
+    under();
+    this.#paint(context, state, camera, ink, ratio);
+    context.setTransform(1, 0, 0, 1, 0, 0);
     context.drawImage(this.walls, 0, 0);
   }
 
   /** The same on any context, line by line, where that one keeps them. */
-  trace(context, state, camera, ink, { ratio, grid }) {
+  trace(context, state, camera, ink, { ratio, grid }, under) {
     floorOn(context, state.scene, camera, ink, ratio, grid);
-    if (state.paint) this.#paint(context, state, ink);
+    under();
+    this.#paint(context, state, camera, ink, ratio);
     wallsOn(context, state.scene, camera, ratio);
-    context.setTransform(1, 0, 0, 1, 0, 0);
   }
 
   #render(scene, camera, ink, ratio, grid) {
@@ -46,7 +44,9 @@ export class Ground {
     wallsOn(this.walls.getContext("2d"), scene, camera, ratio, true);
   }
 
-  #paint(context, state, ink) {
+  #paint(context, state, camera, ink, ratio) {
+    if (!state.paint) return;
+    camera.apply(context, ratio);
     const { columns, rows, resolution } = state.scene.floor;
     if (!this.paint || this.scene !== state.scene || this.painting !== ink.ground) {
       this.scene = state.scene;

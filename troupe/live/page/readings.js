@@ -5,21 +5,24 @@ import { css, mix, tint } from "./colors.js";
 const FILLED = 8, RING = 7, RING_WIDTH = 3;
 const ON_THE_WAY = 0.6;   // more than half: two that see each other have a number each
 
-/** Readings on the ground, below the bodies. */
-export function drawReadings(context, state, camera, ink, view) {
+/** Whose readings show. */
+const showing = (state, view) => ({ robot }) =>
+  view.selected.has(robot) || (view.show.others && !state.settled(robot));
+
+/** Lasers' fans and sonars' cones on the floor: of who is `selected`, or of all others. */
+export function drawFans(context, state, camera, ink, view, selected) {
   if (!view.show.sensors) return;
-  const { lasers, sonars, fiducials, bumpers } = view.show;
-  const shows = ({ robot }) => view.selected.has(robot) || (view.show.others && !state.settled(robot));
-  const fans = lasers ? state.fans.filter(shows) : [];
-  const strength = 0.16 / Math.sqrt(Math.max(fans.length, 1));
-  for (const fan of fans) {
-    const filled = fans.length <= FILLED || view.selected.has(fan.robot);
+  const { lasers, sonars } = view.show, shows = showing(state, view);
+  const fans = lasers ? state.fans.filter(shows) : [], filled = selected || fans.length <= FILLED;
+  const strength = selected ? 0.16 : 0.16 / Math.sqrt(Math.max(fans.length, 1)) + 0.03;
+  const now = ({ robot }) => view.selected.has(robot) === selected;
+  for (const fan of fans.filter(now)) {
     const color = tint(ink, fan.robot);
     context.beginPath();
     fanPath(context, fan, (x) => camera.column(x), (y) => camera.row(y));
     context.closePath();
     if (filled) {
-      context.globalAlpha = view.selected.has(fan.robot) ? 0.16 : strength + 0.03;
+      context.globalAlpha = strength;
       context.fillStyle = css(color);
       context.fill();
       context.globalAlpha = 1;
@@ -28,8 +31,16 @@ export function drawReadings(context, state, camera, ink, view) {
     context.lineWidth = 1;
     context.stroke();
   }
+  for (const cones of sonars ? state.cones.filter(shows).filter(now) : []) {
+    drawCones(context, cones, camera, ink);
+  }
+}
+
+/** What is seen of others and felt of walls, below the bodies. */
+export function drawReadings(context, state, camera, ink, view) {
+  if (!view.show.sensors) return;
+  const { fiducials, bumpers } = view.show, shows = showing(state, view);
   const drawn = (wanted, parts, draw) => { if (wanted) parts.filter(shows).forEach(draw); };
-  drawn(sonars, state.cones, (cones) => drawCones(context, cones, camera, ink));
   drawn(fiducials, state.marks, (marks) => drawMarks(context, marks, camera, ink));
   drawn(bumpers, state.switches, (switches) => drawSwitches(context, switches, state, camera));
 }
@@ -108,10 +119,9 @@ function drawSwitches(context, { robot, x, y, yaw, parts }, state, camera) {
 
 /** What blobfinders see as arcs about their robots, over the bodies. */
 export function drawSights(context, state, camera, ink, view, reach) {
-  for (const { robot, x, y, yaw, fov, width, blobs } of state.sights) {
+  if (!view.show.sensors) return;
+  for (const { robot, x, y, yaw, fov, width, blobs } of state.sights.filter(showing(state, view))) {
     if (!view.show.blobs && !view.selected.has(robot)) continue;
-    if (!view.show.sensors) continue;
-    if (!view.selected.has(robot) && (!view.show.others || state.settled(robot))) continue;
     const column = camera.column(x), row = camera.row(y), radius = reach(robot) + RING;
     for (const [color, breadth] of [[ink.ink, RING_WIDTH + 2], [null, RING_WIDTH]]) {
       context.lineWidth = breadth;
